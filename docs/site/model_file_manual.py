@@ -19,12 +19,13 @@ from pydantic_core import PydanticUndefined
 from torsion import units
 from torsion.analyses import ANALYSES, MODELS, settings_classes
 from torsion.fields import SHARE_OF_MEAN, Amount, Declared, OneOrMany, Quantity
-from torsion.model import KINDS
+from torsion.model import KINDS, KINDS_BY_ALIAS
 from torsion.model.component import STEEL, Component, component_class
 from torsion.rules import RULES
 from torsion.rules import settings as rule_settings
 from torsion.schema import template
-from torsion.schema.declaration_reader import items_of, keys_of, mappings_of
+from torsion.schema.aliases import aliases_of
+from torsion.schema.declaration_reader import SECTIONS_BY_ALIAS, items_of, keys_of, mappings_of
 from torsion.schema.json_schema import declarations, first_line, parts_within, setting_examples
 from torsion.schema.scene_reader import LINKS, Scene
 from torsion.study import FiniteElements
@@ -79,6 +80,7 @@ def pages() -> dict[str, str]:
         "index",
         top=key_table(Scene).replace("see meaning", "section below"),
         quantities="\n".join(quantities) + "\n",
+        aliases=_words(SECTIONS_BY_ALIAS[""]),
         toctree=toctree(order.split()),
     )
     return texts
@@ -112,7 +114,7 @@ def _section(name: str) -> str:
     declared = declarations().get(name.removesuffix("s"))  # of entries by the word for one
     table = "" if declared is None else "## Keys\n\n" + tables_with_parts(declared)
     page = _page(name, table=table, steel=steel, links=_words(LINKS))
-    return page + _notes("", name)
+    return page + _ending("", name, SECTIONS_BY_ALIAS.get(name, {}))
 
 
 def _kind(kind: str) -> str:
@@ -122,7 +124,10 @@ def _kind(kind: str) -> str:
     example = f"```yaml\n{declared.example}\n```"
     keys = tables_with_parts(declared, Component, declared.groups)
     text = f"# `{kind}`: {declared.title}\n\n{introduction}\n\n{example}\n\n## Keys\n\n{keys}"
-    return text + _notes("components", kind) + "\n[Keys of every component](index.md)\n"
+    aliases = {word: name for word, name in KINDS_BY_ALIAS.items() if name == kind} | aliases_of(
+        keys_of(declared)
+    )
+    return text + _ending("components", kind, aliases) + "\n[Keys of every component](index.md)\n"
 
 
 def _settings(section: str, name: str, declared: type[Declared]) -> str:
@@ -136,13 +141,17 @@ def _settings(section: str, name: str, declared: type[Declared]) -> str:
         example = (item + setting).replace("\n", "\n  ")
         parts.append(f"```yaml\n{section}:\n  {example}\n```")
     text = "\n\n".join(part for part in parts if part)
-    return f"{text}\n\n## Keys\n\n{tables_with_parts(declared)}{_notes(section, name)}"
+    ending = _ending(section, name, SECTIONS_BY_ALIAS.get(name, {}))
+    return f"{text}\n\n## Keys\n\n{tables_with_parts(declared)}{ending}"
 
 
-def _notes(section: str, name: str) -> str:
-    """Return the notes of a page, where it has any."""
+def _ending(section: str, name: str, aliases: Mapping[str, str]) -> str:
+    """Return the notes of a page and its table of aliases, where it has any."""
     file = files("torsion.schema").joinpath("templates", section, f"{name}.md")
-    return f"\n## Notes\n\n{file.read_text(encoding='utf-8')}" if file.is_file() else ""
+    notes = f"\n## Notes\n\n{file.read_text(encoding='utf-8')}" if file.is_file() else ""
+    rows = [f"| `{alias}` | `{key}` |" for alias, key in aliases.items()]
+    head = "\n## Aliases\n\nGive only one word for a key.\n\n| alias | key |\n|---|---|\n"
+    return notes + (head + "\n".join(rows) + "\n" if rows else "")
 
 
 def _words(names: Iterable[str]) -> str:

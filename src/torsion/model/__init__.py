@@ -19,3 +19,17 @@ KINDS = {
     "engine": "torsion.model.engine.engine:Engine",
     "compressor": "torsion.model.compressor.compressor:Compressor",
 }
+
+
+# Other words for kinds, which a file may use.
+KINDS_BY_ALIAS = {
+    "flywheel": "disc",
+    "spring": "coupling",
+    "clutch": "coupling",
+    "gearbox": "gear",
+    "cardan": "joint",
+    "universal_joint": "joint",
+    "impeller": "pump",
+    "roll": "machine",
+    "load": "machine",
+}

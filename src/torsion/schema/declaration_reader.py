@@ -4,6 +4,7 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import cache
+from itertools import chain
 from typing import Any, TypeVar, get_args
 
 from pydantic import BaseModel, BeforeValidator, TypeAdapter, ValidationError
@@ -13,10 +14,36 @@ from pydantic_core import ErrorDetails, PydanticUndefined
 from torsion import units
 from torsion.errors import Fault, Path, Refusal, nearest, printable
 from torsion.fields import Declared, Quantity, shown
-from torsion.model import KINDS
+from torsion.model import KINDS, KINDS_BY_ALIAS
 from torsion.model.component import Component, component_class
 from torsion.schema import template
 from torsion.schema.fault_text import without_mark, words_for
+
+KEYS_BY_ALIAS = {  # of components, and of mappings within them
+    "OD": "diameter",
+    "outer_diameter": "diameter",
+    "ID": "bore",
+    "inner_diameter": "bore",
+    "fixed": "held",
+    "relative_damping": "psi",
+    "entrained_water": "entrained",
+    "T_KN": "rated_torque",
+    "T_KW": "vibratory_torque",
+    "T_Kmax": "max_torque",
+    "P_KW": "heat_limit",
+}
+SECTIONS_BY_ALIAS = {  # of the top level, of `operation` and of `analyses: {design: }`
+    "": {"shoulders": "steps"},
+    "operation": {"reference": "at"},
+    "design": {
+        "variables": "choose",
+        "constraints": "keep",
+        "objective": "aim",
+        "pareto": "against",
+    },
+}
+_ALIASES = {*KINDS_BY_ALIAS, *KEYS_BY_ALIAS, *chain(*SECTIONS_BY_ALIAS.values())}
+ALIAS = re.compile(rf"(?<![\w-])(?:{'|'.join(sorted(_ALIASES))})[\"']?\s*:")
 
 
 @cache

@@ -1,6 +1,6 @@
 """JSON Schema of the whole file, from the same declarations that read it, so that an editor completes and checks it."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from functools import cache
 from importlib import import_module
 from typing import Any
@@ -10,14 +10,15 @@ from pydantic_core import core_schema
 
 from torsion.analyses import ANALYSES, MODELS, settings_classes
 from torsion.fields import Declared, OneOrMany, Quantity
-from torsion.model import KINDS
+from torsion.model import KINDS, KINDS_BY_ALIAS
 from torsion.model.component import Component, Material, component_class
 from torsion.model.machine_torques import Excitation
 from torsion.rules import RULES
 from torsion.rules import settings as rule_settings
 from torsion.schema import template
+from torsion.schema.aliases import aliases_of
 from torsion.schema.cases import FROM, TOLERANCES, CaseKeys
-from torsion.schema.declaration_reader import items_of, mappings_of
+from torsion.schema.declaration_reader import SECTIONS_BY_ALIAS, items_of, mappings_of
 from torsion.schema.scene_reader import LINKS, Scene
 from torsion.schema.table_rows import MAPPINGS, PAIRS
 from torsion.schema.yaml_source import parse_source
@@ -111,6 +112,10 @@ def json_schema() -> Schema:
         examples = [entry[kind] for entry in entries if kind in entry]
         about = {"description": first_line(component_class(kind)), "examples": examples}
         kinds[kind] = refs[kind] | about
+    kinds |= {
+        word: refs[kind] | {"description": f"another word for `{kind}`"}
+        for word, kind in KINDS_BY_ALIAS.items()
+    }
     for key, body in _sections(refs, kinds).items():
         schema["properties"][key] |= body
     schema |= {
@@ -139,7 +144,27 @@ def json_schema() -> Schema:
         "table": TABLE,
         **parts,
     }
+    # Every other word for a key next to the key.
+    parts_of_kinds = (part for kind in KINDS for part in parts_within(component_class(kind)))
+    for word in {part.__name__ for part in parts_of_kinds if isinstance(part, type)}:
+        body = schema["$defs"].get(word, {})
+        _offer(body, aliases_of(body.get("properties", {})))
+    _offer(schema, SECTIONS_BY_ALIAS[""])
+    _offer(schema["$defs"][Operation.__name__], SECTIONS_BY_ALIAS["operation"])
+    _offer(schema["$defs"][settings_classes()["design"].__name__], SECTIONS_BY_ALIAS["design"])
     return schema
+
+
+def _offer(body: Schema, aliases: Mapping[str, str]) -> None:
+    """Add aliases to the properties; a required key may be given by its alias."""
+    for alias, key in aliases.items():
+        body["properties"][alias] = body["properties"][key] | {
+            "description": f"another word for `{key}`"
+        }
+    for key in {*aliases.values()} & {*body.get("required", ())}:
+        body["required"].remove(key)
+        words = [key, *(alias for alias, meant in aliases.items() if meant == key)]
+        body.setdefault("allOf", []).append({"anyOf": [{"required": [word]} for word in words]})
 
 
 def _or_table(body: Schema) -> Schema:
@@ -164,7 +189,8 @@ def _sections(refs: dict[str, Schema], kinds: Schema) -> dict[str, Schema]:
     rule = {"anyOf": [{"enum": list(RULES)}, _one_of(rules)]}
     ends: Schema = {"type": "array", "items": {"type": "string"}, "minItems": 2, "maxItems": 2}
     ends["description"] = "names of the two points that the link joins"
-    link = _one_of({kind: kinds[kind] for kind in LINKS}, between=ends)
+    link_kinds = (*LINKS, *(word for word, kind in KINDS_BY_ALIAS.items() if kind in LINKS))
+    link = _one_of({word: kinds[word] for word in link_kinds}, between=ends)
     model, fem = (ShaftModel.model_fields[name].description for name in ("model", "fem"))
     settings: Schema = {"fem": _settings("fem", refs["fem"], fem)}
     for name in settings_classes():

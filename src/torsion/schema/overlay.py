@@ -10,7 +10,7 @@ from typing import Any
 from torsion import units
 from torsion.errors import Fault, Path, Refusal, nearest, printable
 from torsion.fields import shown
-from torsion.schema.declaration_reader import entries_of
+from torsion.schema.declaration_reader import KEYS_BY_ALIAS, SECTIONS_BY_ALIAS, entries_of
 from torsion.study import Change, Study
 from torsion.user_files import Node, Source
 
@@ -148,7 +148,8 @@ class Overlay:
             self.refuse(fault, f"`{printable(words)}` is not a path to a key", hint)
             return None
         plain = [step[1:-1] if step[0] in "\"'" else step for step in words_found]
-        return plain[0], words_found[0] != plain[0], plain[1:]
+        aliases = SECTIONS_BY_ALIAS.get(plain[0], KEYS_BY_ALIAS)
+        return plain[0], words_found[0] != plain[0], [aliases.get(word, word) for word in plain[1:]]
 
     def _down(self, path: Path, steps: list[str], words: str, fault: Path) -> Path | None:
         """The path that follows the steps; items of a list go by their number, from 1."""

@@ -15,8 +15,9 @@ from pydantic import BaseModel
 from torsion import units
 from torsion.errors import Fault, InputError, nearest, printable
 from torsion.fields import Amount, Quantity, shown
-from torsion.model import KINDS
+from torsion.model import KINDS, KINDS_BY_ALIAS
 from torsion.model.component import component_class
+from torsion.schema.aliases import aliases_of
 from torsion.schema.declaration_reader import entries_of, items_of, key_for, keys_of
 from torsion.schema.yaml_source import is_number, parse_source, resolved
 from torsion.tables import FORMULA_ERROR, Cell, Table, head_of, unit_fault
@@ -231,6 +232,9 @@ class Rows(Table):
             for (owner, key), column in columns_of(self.key).items()
             if kind in ("", owner)
         }
+        # A column may be named by another word for its key.
+        aliases = {alias.casefold(): key for alias, key in aliases_of(columns).items()}
+        name = aliases.get(name, name)
         if name in columns:
             return replace(columns[name], kind=kind, unit=unit)
         near = nearest(name, columns)
@@ -308,7 +312,9 @@ class Rows(Table):
             self.fault(begin, "the row has no `kind`", f"one of {', '.join(KINDS)}")
             return None
 
+        # The kind by its own word or by another.
         word = "" if kind is None else kind.text.casefold()
+        word = KINDS_BY_ALIAS.get(word.replace(" ", "_"), word)
         body = self._node({}, begin)
         for cell, column in filled:
             if column is not None and cell is not kind:

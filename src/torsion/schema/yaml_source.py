@@ -14,6 +14,7 @@ from typing import Any
 import yaml
 
 from torsion.errors import CONTROLS, REORDERING, Fault, InputError, printable
+from torsion.schema.declaration_reader import ALIAS
 from torsion.schema.fault_text import input_error, missing_mark
 from torsion.user_files import LARGEST_SCENE, Node, Source, end_of, read_file
 
@@ -139,7 +140,12 @@ def parse_source(text: str, name: str) -> Source:
         )
     if builder.faults:
         raise input_error(builder.faults, bare)
-    return Source(name, text, root)
+    source = Source(name, text, root)
+    if not (isinstance(root.plain, dict) and ALIAS.search(text)):
+        return source
+    from torsion.schema.aliases import replace_aliases
+
+    return replace(source, faults=tuple(replace_aliases(root)))
 
 
 def yaml_text(value: object, *, is_flow: bool = False) -> str:
