@@ -24,72 +24,45 @@ if TYPE_CHECKING:
     from pint.util import UnitsContainer
 
 _HIGHEST = 12  # power of one unit; bounds the size of exact fractions
-_TRADE = [
-    "kN",
-    "MN",
-    "kg",
-    "mm",
-    "km",
-    "MPa",
-    "GPa",
-    "kW",
-    "MW",
-    "kHz",
-    "Nm",
-    "kNm",
-    "MNm",
-    "Nms",
-]  # often misspelled
+_TRADE = "kN MN kg mm km MPa GPa kW MW kHz Nm kNm MNm Nms"  # often misspelled
 _LONGEST = 100  # characters of a quantity; no sensible one is longer
 _PI = Fraction("3.14159265358979323846264338327950288419716939937510")
-
-_KINDS = {  # SI unit: what it measures, an example to follow
-    "1": ("a number without a unit", "25 %"),
-    "rad": ("an angle", "5 deg"),
-    "rad/s": ("a speed", "1500 rpm"),
-    "Hz": ("a frequency", "35 Hz"),
-    "s": ("a time", "5 s"),
-    "K": ("a difference of temperature", "70 K"),
-    "degC": ("a temperature", "40 degC"),
-    "N*m/rad": ("a stiffness", "20 kN*m/rad"),
-    "rad/(N*m)": ("a flexibility", "5.1e-7 rad/(N*m)"),
-    "N*m*s/rad": ("a damping", "12 N*m*s/rad"),
-    "kg*m**2": ("an inertia", "1.2 kg*m**2"),
-    "N*m": ("a torque or energy", "1.5 kN*m"),
-    "W": ("a power", "100 kW"),
-    "m": ("a length", "60 mm"),
-    "m**2": ("an area", "20 cm**2"),
-    "m**3": ("a volume or shape factor", "5 m**3"),
-    "m/s": ("a velocity", "3 m/s"),
-    "m**2/s": ("a kinematic viscosity", "0.15 m**2/s"),
-    "rad/s**2": ("an angular acceleration", "10 rad/s**2"),
-    "kg": ("a mass", "35 kg"),
-    "kg/m**3": ("a density", "7850 kg/m**3"),
-    "N": ("a force", "10 kN"),
-    "N/m": ("a lateral stiffness", "50 MN/m"),
-    "N*s/m": ("a lateral damping", "20 kN*s/m"),
-    "Pa": ("a pressure, stress or modulus", "79.3 GPa"),
-    "N*m*s": ("an angular momentum", "12 N*m*s"),
-}
-_COMMON: dict[str, dict[str, Fraction | int]] = {  # SI unit: spelling: its size in that unit
-    "1": {"%": Fraction(1, 100)},
-    "rad": {"deg": _PI / 180, "mrad": Fraction(1, 1000)},
-    "rad/s": {"rpm": _PI / 30, "1/min": _PI / 30, "min**-1": _PI / 30},
-    "Hz": {"kHz": 1000, "1/s": 1},
-    "s": {"ms": Fraction(1, 1000), "min": 60},
-    "N*m/rad": {
-        "Nm/rad": 1,
-        "kN*m/rad": 1_000,
-        "kNm/rad": 1_000,
-        "MN*m/rad": 1_000_000,
-        "MNm/rad": 1_000_000,
-    },
-    "N*m*s/rad": {"Nms/rad": 1, "kN*m*s/rad": 1_000, "kNms/rad": 1_000},
-    "kg*m**2": {"kgm**2": 1},
-    "N*m": {"Nm": 1, "kN*m": 1_000, "kNm": 1_000, "MN*m": 1_000_000, "MNm": 1_000_000},
-    "W": {"kW": 1_000, "MW": 1_000_000},
-    "m": {"mm": Fraction(1, 1000), "cm": Fraction(1, 100)},
-    "Pa": {"MPa": 1_000_000, "GPa": 1_000_000_000, "N/mm**2": 1_000_000, "bar": 100_000},
+QUANTITIES = """\
+1 | a number without a unit | 25 % | % 1/100
+rad | an angle | 5 deg | deg pi/180, mrad 1/1000
+rad/s | a speed | 1500 rpm | rpm pi/30, 1/min pi/30, min**-1 pi/30
+Hz | a frequency | 35 Hz | kHz 1e3, 1/s 1
+s | a time | 5 s | ms 1/1000, min 60
+K | a difference of temperature | 70 K |
+degC | a temperature | 40 degC |
+N*m/rad | a stiffness | 20 kN*m/rad | Nm/rad 1, kN*m/rad 1e3, kNm/rad 1e3, MN*m/rad 1e6, MNm/rad 1e6
+rad/(N*m) | a flexibility | 5.1e-7 rad/(N*m) |
+N*m*s/rad | a damping | 12 N*m*s/rad | Nms/rad 1, kN*m*s/rad 1e3, kNms/rad 1e3
+kg*m**2 | an inertia | 1.2 kg*m**2 | kgm**2 1
+N*m | a torque or energy | 1.5 kN*m | Nm 1, kN*m 1e3, kNm 1e3, MN*m 1e6, MNm 1e6
+W | a power | 100 kW | kW 1e3, MW 1e6
+m | a length | 60 mm | mm 1/1000, cm 1/100
+m**2 | an area | 20 cm**2 |
+m**3 | a volume or shape factor | 5 m**3 |
+m/s | a velocity | 3 m/s |
+m**2/s | a kinematic viscosity | 0.15 m**2/s |
+rad/s**2 | an angular acceleration | 10 rad/s**2 |
+kg | a mass | 35 kg |
+kg/m**3 | a density | 7850 kg/m**3 |
+N | a force | 10 kN |
+N/m | a lateral stiffness | 50 MN/m |
+N*s/m | a lateral damping | 20 kN*s/m |
+Pa | a pressure, stress or modulus | 79.3 GPa | MPa 1e6, GPa 1e9, N/mm**2 1e6, bar 1e5
+N*m*s | an angular momentum | 12 N*m*s |
+"""  # SI unit | what it measures | an example to follow | common spellings with their sizes in that unit
+_ROWS = [[cell.strip() for cell in line.split("|")] for line in QUANTITIES.splitlines()]
+_KINDS = {unit: (what, example) for unit, what, example, _ in _ROWS}
+_COMMON = {
+    unit: {
+        spelling: _PI / int(size[3:]) if size[:3] == "pi/" else Fraction(size)
+        for spelling, size in (pair.split() for pair in sizes.split(",") if pair)
+    }
+    for unit, _, _, sizes in _ROWS
 }
 
 _DIGITS = r"[0-9]+(?:_[0-9]+)*"
@@ -287,7 +260,7 @@ def _spelled() -> tuple[str, ...]:
     plain = (
         name for name in registry if name.isalpha() and not registry.parse_unit_name(name)[0][0]
     )
-    return (*plain, *_TRADE)
+    return (*plain, *_TRADE.split())
 
 
 def _product(tokens: list[str]) -> Counter[str]:

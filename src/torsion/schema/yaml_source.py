@@ -14,6 +14,7 @@ from typing import Any
 import yaml
 
 from torsion.errors import CONTROLS, REORDERING, Fault, InputError, printable
+from torsion.schema import template
 from torsion.schema.declaration_reader import ALIAS
 from torsion.schema.fault_text import input_error, missing_mark
 from torsion.user_files import LARGEST_SCENE, Node, Source, end_of, read_file
@@ -38,57 +39,6 @@ _WHOLE = re.compile(r"[-+]?[0-9]+(?:_[0-9]+)*|0x[0-9a-fA-F]+|0o[0-7]+")
 _DIGITS = r"[0-9]+(?:_[0-9]+)*"
 _DECIMAL = re.compile(rf"[-+]?(?:\.{_DIGITS}|{_DIGITS}(?:\.(?:{_DIGITS})?)?)(?:[eE][-+]?[0-9]+)?")
 _NOT_FINITE = re.compile(r"([-+]?)\.(?:inf|Inf|INF)|\.(?:nan|NaN|NAN)")
-_INDENTED = (
-    "check the indentation of this line and the one above; put text that holds ': ' in quotes"
-)
-_ALIGNED = "what belongs to one list or mapping begins in one column"
-_SYNTAX = (  # what yaml says; in plain words; what to do; whether the fault stands where the piece begins
-    (
-        r"expected ',' or '(.)'",
-        "no closing '{0}' for this bracket, or no comma before {at}",
-        "",
-        True,
-    ),
-    (r"unexpected (?:end of stream|document)", "this quote is not closed", "", True),
-    (r"could not find expected ':'", "this key has no ':' after it", "", True),
-    (r"tab character|'\\t'", "a tab is used for indentation", "use spaces", False),
-    (r"mapping values are not allowed", "a ':' is not allowed here", _INDENTED, False),
-    (
-        r"cannot start any token",
-        "a value cannot begin with this character",
-        "put text in quotes",
-        False,
-    ),
-    (
-        r"sequence entries are not allowed",
-        "a list cannot begin here",
-        "begin it on a new line",
-        False,
-    ),
-    (
-        r"expected key|expected <block end>|expected '-' indicator",
-        "this does not fit the lines above",
-        _ALIGNED,
-        False,
-    ),
-    (r"node content", "a value is missing in front of this", "", False),
-    (r"expected '?<document start>", "this belongs to nothing before it", "", False),
-    (
-        r"escape|hexdecimal",
-        "the backslash stands for no character here",
-        r"write \\ or use single quotes",
-        False,
-    ),
-    (r"alphabetic or numeric", "a name is missing after '&' or '*'", "put text in quotes", False),
-    (r"directive|YAML document", "lines that begin with % are not read", "remove it", False),
-    (
-        r"\btag\b|expected '>'|expected the '>'",
-        "tags (!) are not read",
-        "put text in quotes",
-        False,
-    ),
-    (r"line break|chomping", "nothing may follow '|' or '>' in its line", "", False),
-)
 
 
 class Based(int):
@@ -319,12 +269,12 @@ def _syntax(error: yaml.MarkedYAMLError, source: Source) -> Fault:
     if missing := missing_mark(str(error.problem), source.lines, (line, column), begin):
         return missing
     problem = "tab character" if before.isspace() and before.endswith("\t") else str(error.problem)
-    for pattern, words, hint, at_begin in _SYNTAX:
+    for row in template("yaml_faults.txt").splitlines()[2:]:
+        where, pattern, hint, words = row.split(" | ")
         if match := re.search(pattern, problem):
             message = words.format(*match.groups(), at=f"line {line}, column {column}")
-            return _fault(
-                message, hint, *(begin if at_begin and error.context_mark else (line, column))
-            )
+            is_begin = where == "begin" and error.context_mark
+            return _fault(message, hint, *(begin if is_begin else (line, column)))
     return _fault(f"this is not YAML: {problem}", "", line, column)
 
 
