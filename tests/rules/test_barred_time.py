@@ -1,5 +1,6 @@
 """How long a motion over time stays within a barred range, against the program of its speed."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -13,7 +14,7 @@ from torsion.findings import Findings
 from torsion.output.blocks import Table
 from torsion.output.chapters.verdict import barred_ranges
 from torsion.output.results_json import results
-from torsion.rules.barred_time import within
+from torsion.rules.barred_time import barred_times, within
 from torsion.rules.stable_motion import StableMotion
 from torsion.rules.verdict_line import Check, Checks
 
@@ -75,6 +76,16 @@ def test_a_motion_that_ends_within_the_range_does_not_pass_it() -> None:
         1.0 + (480.0 * RPM - barred.lower) / (180.0 * RPM / 5.0), rel=1e-9
     )
     assert "ends within the range" in line.note
+
+
+@pytest.mark.parametrize("last", [480.0, 900.0])
+def test_a_train_that_turns_backward_stays_as_long_in_a_range(last: float) -> None:
+    found, line = run(last)
+    transients = found.results["transient"]
+    (motion,) = transients.each
+    backward = replace(transients, each=(replace(motion, speed=-motion.speed),))
+    assert line.times
+    assert barred_times(found.having(transient=backward), line.barred) == line.times
 
 
 def test_a_motion_through_an_unstable_range_says_how_long_it_is_within() -> None:

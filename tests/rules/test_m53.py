@@ -139,6 +139,19 @@ def test_orders_that_are_not_given_are_named(study, evidence) -> None:
         )
 
 
+def test_orders_of_a_crank_behind_a_gear_are_those_of_its_own_shaft(study, evidence) -> None:
+    """At half of the reference speed the orders 1 to 15 of a two-stroke crank are 1/2 to 15/2 of the reference."""
+    given = settings("iacs-m53").model_validate({**GIVEN, "strokes": 2})
+    before = [("motor", {"name": "first", "inertia": 1.0}), ("gear", {"ratio": 2})]
+    for orders, missing in ((range(1, 16), ""), (range(1, 15), "15"), (range(2, 31, 2), "1")):
+        parts = [*before, *line(tuple(orders))]
+        scene = study(parts, [("iacs-m53", given)], materials=STEEL)
+        found = verdicts(evidence(scene, [900.0], half={}))
+        (note,) = [one.note for one in found if one.clause == "orders"] or [""]
+        assert note.startswith(f"orders {missing}" if missing else "")
+        assert bool(note) == bool(missing)
+
+
 def test_a_crank_without_the_orders_that_the_rule_demands_is_not_judged(study, evidence) -> None:
     for orders, verdict in (([Fraction(k, 2) for k in range(1, 25)], ""), ([1, 12], "not judged")):
         given = settings("iacs-m53").model_validate({**GIVEN, "additional": 0.0})

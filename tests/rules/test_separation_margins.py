@@ -236,6 +236,26 @@ def test_teeth_and_blades_that_the_file_knows_are_judged(study, evidence) -> Non
     }
 
 
+@pytest.mark.parametrize("sense", [-1, 1])
+def test_a_mesh_behind_a_gear_counts_by_the_speed_of_its_own_shaft(study, evidence, sense) -> None:
+    """30 teeth at 2/3 of 1000 to 1200 rpm are 333.3 to 400 Hz, whichever way the shaft turns."""
+    parts = [
+        ("motor", {"inertia": 1.0}),
+        ("gear", {"ratio": "3/2", "sense": sense}),
+        ("coupling", {"stiffness": 1e4}),
+        ("gear", {"name": "second", "teeth": [30, 90]}),
+        ("disc", {"inertia": 1.0}),
+    ]
+    scene = study(parts, [("api-617", settings("api-617")(line_frequency="none"))], speeds=SPEEDS)
+    results = evidence(scene, np.array([1000.0, 1200.0]), half={})
+    modes = replace(results.results["modes"], frequency=np.array([420.0, 1e4]))
+    checks = {check.what: check for check in verdicts(results.having(modes=modes))}
+    mesh = checks["Separation from gear mesh of second"]
+    assert (mesh.order, mesh.verdict) == (20, "not kept")
+    assert mesh.value == pytest.approx(0.05, rel=1e-9)
+    assert mesh.speed == pytest.approx(2 * math.pi * 420.0 / 20, rel=1e-9)
+
+
 def chain(count, inertia, highest):
     """Equal discs on equal springs, free: modes 2 sqrt(k/J) sin(k pi/2n), of which the highest has so many Hz."""
     root = 2 * math.pi * highest / (2 * math.sin((count - 1) * math.pi / (2 * count)))
