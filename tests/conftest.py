@@ -1,6 +1,5 @@
 """What all tests of a run share."""
 
-import gc
 import os
 import shutil
 import tempfile
@@ -22,12 +21,6 @@ def pytest_configure(config: pytest.Config) -> None:
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Begin with what takes longest: at the end one worker would wait for the other."""
     items.sort(key=lambda item: item.path.name not in LONGEST)
-
-
-def pytest_collection_finish() -> None:
-    """Look for cycles among what tests make alone, not in all modules and tests: a study of run times does often."""
-    gc.collect()
-    gc.freeze()
 
 
 def pytest_unconfigure(config: pytest.Config) -> None:

@@ -266,7 +266,7 @@ def answers(
     """exp(rate time) A_k, (count, coordinates, times), to `count` powers of the share of a time; decay: exp(root time).
 
     >>> answers(np.zeros(1), 0.0, np.array([2.0]), 3, np.ones((1, 1))).real.ravel().round(12)
-    array([1.        , 0.5       , 0.333333333333])
+    array([1.        , 0.5       , 0.33333333])
     """
     z = np.multiply.outer(root - rate, time)
     growth = np.broadcast_to(np.exp(rate * time), z.shape).ravel()
