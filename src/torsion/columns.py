@@ -104,6 +104,27 @@ def copied(record: Any, **values: Any) -> Any:
     return copy
 
 
+Items = dict[Any, Any]
+
+
+def opened(value: Any) -> tuple[Items, Callable[[Items], Any]]:
+    """Return what a record, a mapping or a tuple consists of, and what makes one with other values of some items.
+
+    >>> items, make = opened((1.0, 2.0))
+    >>> items, make({1: 3.0})
+    ({0: 1.0, 1: 2.0}, (1.0, 3.0))
+    """
+    if isinstance(value, Mapping):
+        return dict(value), lambda items: {**value, **items}
+    if isinstance(value, tuple):
+        numbered, kind = dict(enumerate(value)), getattr(type(value), "_make", tuple)
+        return numbered, lambda items: kind({**numbered, **items}.values())
+    fields_of = (
+        {} if isinstance(value, type) else {n: getattr(value, n) for n in field_names(value)}
+    )
+    return fields_of, lambda items: copied(value, **items)
+
+
 Picker = Callable[[int], Any]
 
 
@@ -115,15 +136,7 @@ def picker(value: Any) -> Picker | None:
     """
     if isinstance(value, Column):
         return lambda variant: value.values[variant].item()
-    if isinstance(value, type):
-        return None
-    items: Mapping[Any, Any] = {name: getattr(value, name) for name in field_names(value)}
-    make: Callable[[dict[Any, Any]], Any] = lambda picked: copied(value, **picked)  # noqa: E731
-    if isinstance(value, Mapping):
-        items, make = value, lambda picked: {**value, **picked}
-    elif isinstance(value, tuple):
-        items, kind = dict(enumerate(value)), getattr(type(value), "_make", tuple)
-        make = lambda picked: kind({**items, **picked}.values())  # noqa: E731
+    items, make = opened(value)
     inner = {key: pick for key, item in items.items() if (pick := picker(item))}
     if not inner:
         return None
@@ -144,10 +157,8 @@ def joined(alternatives: list[Any], combine: Callable[[np.ndarray], np.ndarray])
         return first
     if kinds == {float}:
         return Column(combine(np.array(alternatives)))
-    if kinds == {tuple} and len({len(item) for item in alternatives}) == 1:
-        return tuple(joined(list(items), combine) for items in zip(*alternatives, strict=True))
-    names = [name for name in field_names(first) if name not in ("source", "note")]
-    if len(kinds) > 1 or not names:
+    rows = [opened(item)[0] for item in alternatives]
+    if len(kinds) > 1 or not rows[0] or any(row.keys() != rows[0].keys() for row in rows):
         raise NotInColumns("alternatives differ in more than their numbers")
-    values = {name: [getattr(item, name) for item in alternatives] for name in names}
-    return copied(first, **{name: joined(items, combine) for name, items in values.items()})
+    names = rows[0].keys() - {"source", "note"}
+    return opened(first)[1]({name: joined([row[name] for row in rows], combine) for name in names})

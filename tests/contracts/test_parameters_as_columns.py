@@ -79,7 +79,7 @@ def train_read_again(study: torsion.Study, source: Any, path: tuple[Any, ...]) -
         changed.removed["analyses", name] = None
     node = source.at(path)
     value = overlay.multiplied(node.value, Fraction(repr(FACTOR)))
-    changed.put(path, replace(node, value=value), (node.line, node.column))
+    changed.put(path, replace(node, plain=value, parts={}))
     return scene_reader._study(changed.applied()).train
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from torsion.arrays import FloatArray
-from torsion.columns import Column, NotInColumns, copied, field_names, joined
+from torsion.columns import Column, NotInColumns, copied, field_names, joined, opened
 from torsion.errors import Fault, Path, Refusal
 from torsion.fields import Amount, Declared
 from torsion.model import KINDS
@@ -80,18 +80,15 @@ def with_change(item: Any, path: Path, operation: Operation) -> Any:
     if isinstance(item, Link):
         # The path has the kind of the component between the link and its key.
         return replace(item, component=with_change(item.component, deeper, operation))
-    if isinstance(item, tuple) and isinstance(step, int):
-        entry = item[step]
-        if deeper and deeper[0] == getattr(entry, "keyword", None):
-            deeper = deeper[1:]
-        return (*item[:step], with_change(entry, deeper, operation), *item[step + 1 :])
-    if isinstance(item, Mapping) and step in item:
-        return {**item, step: with_change(item[step], deeper, operation)}
-    declared_fields = type(item).model_fields.items() if isinstance(item, Declared) else ()
-    name = next((name for name, field in declared_fields if step in (name, field.alias)), None)
-    if name is None:
+    items, make = opened(item)
+    if isinstance(item, Declared):
+        fields = type(item).model_fields.items()
+        step = next((name for name, field in fields if step == field.alias), step)
+    if step not in items:
         raise NotInColumns(f"no declaration has the key `{step}`")
-    return copied(item, **{name: with_change(getattr(item, name), deeper, operation)})
+    if isinstance(item, tuple) and deeper and deeper[0] == getattr(items[step], "keyword", None):
+        deeper = deeper[1:]
+    return make({step: with_change(items[step], deeper, operation)})
 
 
 def _changes(
@@ -187,15 +184,8 @@ def _refuse_clashes(before: Any, after: Any) -> None:
     """Refuse changed declarations whose values do not go together, as their reading does."""
     if after is before:
         return
-    if isinstance(after, Link):
-        _refuse_clashes(before.component, after.component)
-    elif isinstance(after, Mapping):
-        for name, item in after.items():
-            _refuse_clashes(before[name], item)
-    elif isinstance(after, tuple) and isinstance(before, tuple):
-        for earlier, later in zip(before, after, strict=True):
-            _refuse_clashes(earlier, later)
-    elif isinstance(after, Declared):
+    if isinstance(after, Declared):
         after.refuse_clashes()
-        for name in field_names(after):
-            _refuse_clashes(getattr(before, name, None), getattr(after, name))
+    items = opened(before)[0]
+    for name, item in opened(after)[0].items():
+        _refuse_clashes(items.get(name), item)
