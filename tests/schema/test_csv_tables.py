@@ -271,6 +271,11 @@ def test_torques_and_loads_are_tables_too(tmp_path: Path) -> None:
             "inertia",
             "line.csv:1:11: the column `inertia` has no unit (write `inertia [kg*m**2]`)",
         ),
+        (  # its first figure is in the second row
+            "stiffness [kN*m/rad]",
+            "stiffness",
+            "line.csv:1:29: the column `stiffness` has no unit (write `stiffness [",
+        ),
         (
             "stiffness [kN*m/rad]",
             "inertia [kg*m**2]",

@@ -1,6 +1,7 @@
 """Combinations of lists and steps against the closed form of two discs and the files written out; Sobol's indices."""
 
 import shutil
+from dataclasses import replace
 from math import pi
 from pathlib import Path
 
@@ -16,7 +17,8 @@ from torsion.output.chapters.sweep import chapter
 from torsion.output.figures.figure import Figure
 from torsion.rules.verdict_line import Checks
 from torsion.what_if.sweep.sweep_results import Grid, Sweep
-from torsion.what_if.sweep.sweep_run import estimated
+from torsion.what_if.sweep.sweep_run import estimated, grid_of
+from torsion.what_if.sweep.sweep_settings import Points
 from torsion.what_if.variants import chunks
 from torsion.what_if.variants.laws import uniform_samples
 
@@ -120,6 +122,21 @@ def test_where_a_check_begins_to_fail_is_that_of_the_closed_form() -> None:
     assert turn.between == pytest.approx(limit, rel=1e-13)
     assert grid.greatest == pytest.approx(np.linspace(100, 200, 6) / limit, rel=1e-13)
     assert (found.checks[0].lower, found.checks[0].failing) == (None, 3)
+
+
+def test_where_a_share_without_bound_reaches_its_limit_is_not_known() -> None:
+    vary = "vary: {operation.rated.power: {from: 100 kW, to: 200 kW, steps: 6}}"
+    text = TWO % ("", vary) + "rules: [coupling-maker]\n"
+    study = torsion.parse(text)
+    found = torsion.run(study).need(Sweep)
+    variation, settings = study.variations["sweep"], study.analyses["sweep"]
+    points = Points.from_settings(study, settings, variation.figures)
+    (check,) = found.checks
+    unbounded = replace(check, utilisation=np.where(check.fails, np.inf, check.utilisation))
+    grid = grid_of(variation, points, [unbounded], found.frequency, {})
+    assert grid is not None
+    (turn,) = grid.turns
+    assert (turn.kept, turn.failing, turn.between) == (140.0, 160.0, None)
 
 
 def test_a_curve_says_on_the_first_page_where_variants_fail() -> None:

@@ -64,6 +64,18 @@ def test_sobol_has_students_interval_of_the_shares_of_its_sequences() -> None:
     assert ends == pytest.approx(exact, rel=1e-12)
 
 
+@pytest.mark.parametrize("few", [1, 9])
+def test_few_that_keep_a_limit_are_counted_as_few_that_exceed_it(few: int) -> None:
+    """Sequences with hardly any of either hide their spread: Wilson's interval of the count, from both sides."""
+    happens = np.zeros(SCRAMBLES * 32, dtype=bool)
+    happens[:few] = True
+    exact = stats.binomtest(few, happens.size).proportion_ci(0.95, "wilson")
+    _, low, high = probability(happens, "sobol")
+    assert (low, high) == pytest.approx((exact.low, exact.high), rel=1e-12)
+    _, low, high = probability(~happens, "sobol")
+    assert (low, high) == pytest.approx((1.0 - exact.high, 1.0 - exact.low), rel=1e-12)
+
+
 def test_none_of_the_samples_is_no_probability_of_nothing() -> None:
     share, low, high = probability(np.zeros(512, dtype=bool), "sobol")
     assert share == low == 0.0
