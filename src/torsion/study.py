@@ -255,7 +255,7 @@ class Variation:
     text: Callable[..., str]
     in_case: "Callable[[Study], Variation]"
     in_columns: Callable[[FloatArray], Train]
-    studies: "Callable[[Train], Callable[[int], Study]]"
+    studies: "Callable[[FloatArray], Callable[[int], Study]]"
     behind: "Callable[[Any], Variation]"
 
 

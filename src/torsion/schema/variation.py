@@ -109,11 +109,15 @@ class Variation(VariationOfStudy):
         """Return the train with columns for the values (variants, figures); raises NotInColumns."""
         return train_in_columns(self.base, *self._of_columns, self.figures, values)
 
-    def studies(self, train: Train) -> Callable[[int], Study]:
-        """Return the function from the number of a variant of a train in columns to its study.
+    def studies(self, values: FloatArray) -> Callable[[int], Study]:
+        """Return the function from the number of a variant of the values (variants, figures) to its study.
 
         The study is what the file with these values would be read as; it raises InputError as the reading does.
         """
+        try:
+            train = self.in_columns(values)
+        except NotInColumns:
+            return lambda variant: self.study(values[variant].tolist())
         analyses = {
             name: settings for name, settings in self.base.analyses.items() if name not in VARYING
         }

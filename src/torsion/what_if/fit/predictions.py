@@ -138,10 +138,7 @@ class Train:
     def _read(self, factors: Factors) -> tuple[Study, System]:
         """Return study and system with these factors; raises SolveError if the file is at fault."""
         try:
-            try:
-                study = self.variation.studies(self.variation.in_columns(np.array([factors])))(0)
-            except NotInColumns:
-                study = self.variation.study(factors)
+            study = self.variation.studies(np.array([factors]))(0)
         except InputError as error:
             message = f"the file with updated parameters is invalid: {error.message}"
             raise SolveError(message, "a smaller deviation") from None

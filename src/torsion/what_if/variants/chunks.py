@@ -8,7 +8,6 @@ import numpy as np
 
 from torsion.analyses.undamped_modes import Modes
 from torsion.arrays import BoolArray, FloatArray
-from torsion.columns import NotInColumns
 from torsion.errors import InputError, SolveError
 from torsion.findings import Findings, Progress, Work, silent
 from torsion.processes import shared_out
@@ -94,10 +93,7 @@ def solved(
     if solve is None or not count:
         return answers
     only = analyses_of_variant(work, judged=judged)
-    try:
-        study_of = variation.studies(variation.in_columns(values))
-    except NotInColumns:
-        study_of = lambda variant: variation.study(values[variant].tolist())  # noqa: E731
+    study_of = variation.studies(values)
 
     def answer_of(variant: int) -> Answers:
         try:
