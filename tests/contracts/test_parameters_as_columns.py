@@ -98,9 +98,10 @@ def test_a_column_is_the_file_read_again_or_is_refused(scene: Path) -> None:
         law = Law.model_construct(uniform=0.05)
         figure = Figure("any", law, ((path, 1),), 0, 1.0)
         variation = Variation((figure,), source, read, study, scene_reader.declarations)
+        values = np.array([[1.0], [FACTOR]])
         try:
-            train = variation.in_columns(np.array([[1.0], [FACTOR]]))
-            found = variation.studies(train)(1).train
+            variation.in_columns(values)
+            found = variation.studies(values)(1).train
         except NotInColumns:
             answers["refused"] += 1
             continue

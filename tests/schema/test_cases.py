@@ -355,6 +355,15 @@ def rows() -> list[tuple[str, str, str]]:
     return [tuple(line.split(" | ")) for line in lines]  # type: ignore[misc]
 
 
+def test_a_section_is_removed_by_its_name() -> None:
+    study = torsion.parse(
+        "name: a\ntrain: [disc: {inertia: 1}, coupling: {stiffness: 5}, disc: {inertia: 2}]\n"
+        "damping: {modal: 2 %}\ncases: {bare: {remove: [damping]}}\n"
+    )
+    assert study.train.modal_damping == (0.02,)
+    assert study.cases["bare"].train.modal_damping == ()
+
+
 @for_all(("place", "text", "words"), rows())
 def test_a_faulty_case_is_refused_at_the_fault_and_only_there(
     place: str, text: str, words: str

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import BaseModel
 
-from torsion.errors import Fault, InputError, Path, nearest, printable
+from torsion.errors import Fault, InputError, Path, Refusal, nearest, printable
 from torsion.fields import Declared, OneOrMany, Quantity, given, shown
 from torsion.findings import NORMAL
 from torsion.model.parts import CouplingRatings, GearRating, Part
@@ -199,7 +199,7 @@ def _case(
                 return replace(changed_study, name=f"{study.name}, case {case.name}", case=record)
             message = "it changes no result that is requested"
             hint = "names, notes, sources and figures that nothing reads have no effect"
-            overlay.refuse(case.path, message, hint)
+            overlay.faults.append(Fault(case.path, message, hint, at_key=True))
     faults += in_case(case.name, input_error(overlay.faults, source).faults)
     return None
 
@@ -217,20 +217,22 @@ def change_overlay(keys: CaseKeys, path: Path, case_node: Node, overlay: Overlay
     for key in ("set", "scale"):
         body = case_node.parts.get(key) or Node({}, 1, 1)
         for words, node in body.parts.items():
-            name, fault = str(words), (*path, key, words)
+            name = str(words)
             factor = Fraction(repr(keys.scale[name])) if key == "scale" else None
-            if factor == 1 and not overlay.permits_no_change:
-                message = f"{in_words(node.value)} of `{words}`: nothing changes"
-                overlay.refuse(fault, message, "a factor other than 1")
-            else:
-                overlay.change(name, node, fault, factor)
+            with overlay.noting((*path, key, words)):
+                if factor == 1 and not overlay.permits_no_change:
+                    message = f"{in_words(node.value)} of `{words}`: nothing changes"
+                    raise Refusal(message, "a factor other than 1")
+                overlay.change(name, node, factor)
     if keys.speeds is not None:
-        overlay.change("operation.speeds", case_node.parts["speeds"], (*path, "speeds"))
+        with overlay.noting((*path, "speeds")):
+            overlay.change("operation.speeds", case_node.parts["speeds"])
     if keys.rules is not None:
         stated, rules = overlay.source.at(("rules",)), case_node.parts["rules"]
         if stated is not None and stated.value == rules.value:
             message = "these are the rules of the file: nothing changes"
-            overlay.refuse((*path, "rules"), message, "leave it out")
+            fault = Fault((*path, "rules"), message, "leave it out", at_key=True)
+            overlay.faults.append(fault)
         else:
             before = "none" if stated is None else in_words(stated.value)
             overlay.changes.append(Change("rules", before, in_words(rules.value)))

@@ -1,7 +1,8 @@
 """What a case of a file changes, as the file's values with their places: keys replaced, multiplied or removed."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from decimal import Context, Decimal
 from fractions import Fraction
@@ -50,9 +51,13 @@ class Overlay:
     puts: list[tuple[Path, Node]] = field(default_factory=list)
     removed: dict[Path, None] = field(default_factory=dict)
 
-    def refuse(self, fault: Path, message: str, hint: str) -> None:
-        """Note what is said wrongly at a key of the case."""
-        self.faults.append(Fault(fault, message, hint, at_key=True))
+    @contextmanager
+    def noting(self, fault: Path) -> Iterator[None]:
+        """Note what is refused of a key of the case, which stands there."""
+        try:
+            yield
+        except Refusal as refusal:
+            self.faults.append(Fault(fault, refusal.message, refusal.hint, at_key=True))
 
     def put(self, path: Path, value: Node) -> None:
         """A value in place of what stands at a path, or beside it."""
@@ -60,55 +65,39 @@ class Overlay:
         file = Source(self.source.name, self.source.text)
         self.puts.append((path, replace(value, source=value.source or file)))
 
-    def change(
-        self,
-        words: str,
-        value: Node,
-        fault: Path,
-        factor: Fraction | None = None,
-    ) -> None:
-        """Put a value where the words of a key point, or the number there times a factor.
-
-        fault: the place of what is said wrongly.
-        """
-        if (path := self.path(words, fault)) is None:
-            return
+    def change(self, words: str, value: Node, factor: Fraction | None = None) -> None:
+        """Put a value where the words of a key point, or the number there times a factor; raises Refusal."""
+        path = self.path(words)
         given, made = self.source.at(path), value.value
         if factor is None and given is not None and given.value == made:
             if not self.permits_no_change:
                 message = f"`{printable(words)}` is {in_words(made)} already: nothing changes"
-                self.refuse(fault, message, "give another value, or leave it out")
+                raise Refusal(message, "give another value, or leave it out")
             return
         if factor is not None and given is None:
             message = (
                 f"`{printable(words)}` is not given, and only what the file gives is multiplied"
             )
-            self.refuse(fault, message, "give its value with `set`")
-            return
+            raise Refusal(message, "give its value with `set`")
         if factor is not None and given is not None:
             if (made := multiplied(given.value, factor)) is None:
                 message = f"{shown(given.value)} is not a number that can be multiplied"
-                self.refuse(fault, message, "give the new value with `set`")
-                return
+                raise Refusal(message, "give the new value with `set`")
             value = replace(value, plain=made)
         before = "not given" if given is None else in_words(given.value)
         self.changes.append(Change(words, before, in_words(made)))
         self.put(path, value)
 
-    def path(self, words: str, fault: Path) -> Path | None:
-        """The path in the file that the words of a key stand for; None with its fault noted."""
-        parsed = self._steps(words, fault)
-        if parsed is None:
-            return None
-        first, is_quoted, steps = parsed
+    def path(self, words: str) -> Path:
+        """The path in the file that the words of a key stand for; raises Refusal."""
+        first, is_quoted, steps = self._steps(words)
         start: Path = (first,)
         named = next((part for part in self.study.train.parts if part.name == first), None)
         if is_quoted or first not in SECTIONS:
             if named is None:
                 if first in NOT_BY_KEY and not is_quoted:
                     hint = f"what changes it: {NOT_BY_KEY[first]}"
-                    self.refuse(fault, f"`{first}` is not changed by its key", hint)
-                    return None
+                    raise Refusal(f"`{first}` is not changed by its key", hint)
                 names = [part.name for part in self.study.train.parts]
                 possible = [*names, *SECTIONS]
                 near = nearest(first, possible)
@@ -117,27 +106,22 @@ class Overlay:
                 if name := next(dotted, ""):
                     hint = f'a name that has dots stands in quotes: `"{name}"{words[len(name) :]}`'
                 message = f"no component and no section is called `{printable(first)}`"
-                self.refuse(fault, message, hint)
-                return None
+                raise Refusal(message, hint)
             if not steps:
                 hint = f"for example `{first}.inertia`; `remove: [{first}]` takes it away"
-                self.refuse(fault, f"`{printable(words)}` is a component without a key", hint)
-                return None
+                raise Refusal(f"`{printable(words)}` is a component without a key", hint)
             start = named.path
         elif named is not None:
             hint = f'write `"{first}".{steps[0] if steps else "key"}` for the component, or give it another name'
-            self.refuse(fault, f"`{first}` is a section and a component", hint)
-            return None
+            raise Refusal(f"`{first}` is a section and a component", hint)
         if start != (first,) and steps[0] == "name":
-            self.refuse(fault, "a case changes no names", "components have the values of the file")
-            return None
+            raise Refusal("a case changes no names", "components have the values of the file")
         if start[-1] == "coupling" and steps[0] in ("from", "size"):
             message = f"`{printable(words)}` changes the row that the coupling was read from"
-            self.refuse(fault, message, "a case sets its figures: `stiffness`, `psi`, ...")
-            return None
-        return self._down(start, steps, words, fault)
+            raise Refusal(message, "a case sets its figures: `stiffness`, `psi`, ...")
+        return self._down(start, steps, words)
 
-    def _steps(self, words: str, fault: Path) -> tuple[str, bool, list[str]] | None:
+    def _steps(self, words: str) -> tuple[str, bool, list[str]]:
         """The first word of a key path, whether it stands in quotes, and those behind it."""
         words_found, end = list[str](), 0
         while end < len(words) and (step := STEP.match(words, end)):
@@ -145,13 +129,12 @@ class Overlay:
             end = step.end()
         if not words_found or end < len(words) or words.rstrip().endswith("."):
             hint = "names and keys with a dot between, as in `flywheel.inertia`; a name that has dots in quotes"
-            self.refuse(fault, f"`{printable(words)}` is not a path to a key", hint)
-            return None
+            raise Refusal(f"`{printable(words)}` is not a path to a key", hint)
         plain = [step[1:-1] if step[0] in "\"'" else step for step in words_found]
         aliases = SECTIONS_BY_ALIAS.get(plain[0], KEYS_BY_ALIAS)
         return plain[0], words_found[0] != plain[0], [aliases.get(word, word) for word in plain[1:]]
 
-    def _down(self, path: Path, steps: list[str], words: str, fault: Path) -> Path | None:
+    def _down(self, path: Path, steps: list[str], words: str) -> Path:
         """The path that follows the steps; items of a list go by their number, from 1."""
         node = self.source.at(path)
         for step in steps:
@@ -162,15 +145,13 @@ class Overlay:
                     message = (
                         f"`{printable(step)}` is not an item of the list in `{printable(words)}`"
                     )
-                    self.refuse(fault, message, hint)
-                    return None
+                    raise Refusal(message, hint)
                 path = (*path, int(step) - 1)
             elif value is None or isinstance(value, dict):
                 path = (*path, step)
             else:
                 message = f"`{path[-1]}` is {in_words(value)}, which has no `{printable(step)}`"
-                self.refuse(fault, message, f"set `{path[-1]}` as a whole")
-                return None
+                raise Refusal(message, f"set `{path[-1]}` as a whole")
             node = None if node is None else node.parts.get(path[-1])
         return path
 
@@ -280,14 +261,16 @@ def remove_components(overlay: Overlay, names: Sequence[str], fault: Path) -> No
                     gone = [(*line, k) for k in range(int(number), len(node.value))]
                     gone = [line[:-2]] if number == 0 and line[-2] == "branch" else gone
                 entries |= dict.fromkeys(gone)
-        elif (key_path := overlay.path(name, fault_path)) is not None and "." in name:
+            continue
+        with overlay.noting(fault_path):
+            key_path = overlay.path(name)
             given = overlay.source.at(key_path)
             if given is None:
                 message = f"`{printable(name)}` is not given: nothing changes"
                 overlay.faults.append(Fault(fault_path, message, "leave it out"))
-            else:
-                overlay.changes.append(Change(name, in_words(given.value), "not given"))
-                overlay.removed[key_path] = None
+                continue
+            overlay.changes.append(Change(name, in_words(given.value), "not given"))
+            overlay.removed[key_path] = None
     entries |= dict.fromkeys(_main_entries(overlay, ends))
     if not overlay.faults and entries:
         _remove_entries(overlay, list(entries), fault)

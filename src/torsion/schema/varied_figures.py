@@ -177,29 +177,24 @@ def named(vary: Mapping[str, Choice], overlay: Overlay, section: Path) -> Iterat
             if len(overlay.faults) == before:
                 yield Figure(part.name, law, (), 0, float(next(matching, np.nan)), rows, words)
             continue
-        pairs = list[tuple[str, Path]]()
-        if words.startswith("*."):
-            pairs += _of_all(words, law, overlay, fault)
-        elif (path := overlay.path(words, fault)) is not None:
-            pairs.append((words.replace('"', ""), path))
-            if overlay.source.at(path) is None:
-                hint = "give its value in the file; a path varies only a value of the file"
-                overlay.refuse(fault, f"the file does not give `{words}`", hint)
-        for name, path in pairs:
-            if path in taken and not words.startswith("*."):
-                overlay.refuse(
-                    fault, f"`{words}` varies as `{taken[path]}` already", "vary it once"
-                )
-            given = overlay.source.at(path)
-            if path in taken or given is None:
-                continue
-            taken[path] = words
-            figure = _figure(name, law, path, given, overlay, fault)
-            if figure is not None:
-                yield replace(figure, key=words)
+        with overlay.noting(fault):
+            if words.startswith("*."):
+                pairs = list(_of_all(words, law, overlay))
+            else:
+                pairs = [(words.replace('"', ""), overlay.path(words))]
+            for name, path in pairs:
+                given = overlay.source.at(path)
+                if given is None:
+                    hint = "give its value in the file; a path varies only a value of the file"
+                    raise Refusal(f"the file does not give `{words}`", hint)
+                if path not in taken:
+                    taken[path] = words
+                    yield replace(_figure(name, law, path, given), key=words)
+                elif not words.startswith("*."):
+                    raise Refusal(f"`{words}` varies as `{taken[path]}` already", "vary it once")
 
 
-def _of_all(words: str, law: Choice, overlay: Overlay, fault: Path) -> Iterator[tuple[str, Path]]:
+def _of_all(words: str, law: Choice, overlay: Overlay) -> Iterator[tuple[str, Path]]:
     """The figures of a key of any component; of a list each item, and none that is 0, which no factor varies."""
     key, has = words.removeprefix("*."), False
     for part in overlay.study.train.parts:
@@ -218,13 +213,11 @@ def _of_all(words: str, law: Choice, overlay: Overlay, fault: Path) -> Iterator[
                     name, path = f"{name}.{step + 1}", (*path, step)
                 yield name, path
     if not has:
-        overlay.refuse(fault, f"no component has a key `{key}`", "a key of the file")
+        raise Refusal(f"no component has a key `{key}`", "a key of the file")
 
 
-def _figure(
-    name: str, law: Choice, path: Path, given: Node, overlay: Overlay, fault: Path
-) -> Figure | None:
-    """The figure whose value stands there; None with its fault noted where its law does not take such a value."""
+def _figure(name: str, law: Choice, path: Path, given: Node) -> Figure:
+    """The figure whose value stands there; raises Refusal where its law does not take such a value."""
     if law.values is not None:
         values = [list(value) if isinstance(value, tuple) else value for value in law.values]
         nodes = [Node(value, given.line, given.column) for value in values]
@@ -233,13 +226,10 @@ def _figure(
         return Figure(name, law, ((path, 1),), 0, float(row), rows)
     if law.catalogue is not None:
         hint = f"`{name.rpartition('.')[0]}`"
-        message = "a catalogue is of a component, and of no key of it"
-        overlay.faults.append(Fault(fault, message, hint))
-        return None
+        raise Refusal("a catalogue is of a component, and of no key of it", hint)
     if path[-1] in EXACT:
         message = f"`{name}` is exact, and varies only by `values`"
-        overlay.refuse(fault, message, "for example {values: [41/17, 43/17]}")
-        return None
+        raise Refusal(message, "for example {values: [41/17, 43/17]}")
     if (made := multiplied(given.value, Fraction(3, 2))) is None or (
         made == given.value and law.first is None
     ):
@@ -247,8 +237,7 @@ def _figure(
         hint = "a number that is not 0, or `values`"
         if isinstance(given.value, list):
             hint = f"one of its items by number, as `{name}.1`"
-        overlay.refuse(fault, message, hint)
-        return None
+        raise Refusal(message, hint)
     # What the file gives in the unit of a range; NaN where that is not known.
     nominal = 1.0 if law.first is None else np.nan
     with suppress(Refusal):
