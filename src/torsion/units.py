@@ -28,20 +28,20 @@ _TRADE = "kN MN kg mm km MPa GPa kW MW kHz Nm kNm MNm Nms"  # often misspelled
 _LONGEST = 100  # characters of a quantity; no sensible one is longer
 _PI = Fraction("3.14159265358979323846264338327950288419716939937510")
 QUANTITIES = """\
-1 | a number without a unit | 25 % | % 1/100
-rad | an angle | 5 deg | deg pi/180, mrad 1/1000
-rad/s | a speed | 1500 rpm | rpm pi/30, 1/min pi/30, min**-1 pi/30
-Hz | a frequency | 35 Hz | kHz 1e3, 1/s 1
-s | a time | 5 s | ms 1/1000, min 60
+1 | a number without a unit | 25 % | 1/100 %
+rad | an angle | 5 deg | pi/180 deg, 1/1000 mrad
+rad/s | a speed | 1500 rpm | pi/30 rpm, pi/30 1/min, pi/30 min**-1
+Hz | a frequency | 35 Hz | 1e3 kHz, 1 1/s
+s | a time | 5 s | 1/1000 ms, 60 min
 K | a difference of temperature | 70 K |
 degC | a temperature | 40 degC |
-N*m/rad | a stiffness | 20 kN*m/rad | Nm/rad 1, kN*m/rad 1e3, kNm/rad 1e3, MN*m/rad 1e6, MNm/rad 1e6
+N*m/rad | a stiffness | 20 kN*m/rad | 1 Nm/rad, 1e3 kN*m/rad, 1e3 kNm/rad, 1e6 MN*m/rad, 1e6 MNm/rad
 rad/(N*m) | a flexibility | 5.1e-7 rad/(N*m) |
-N*m*s/rad | a damping | 12 N*m*s/rad | Nms/rad 1, kN*m*s/rad 1e3, kNms/rad 1e3
-kg*m**2 | an inertia | 1.2 kg*m**2 | kgm**2 1
-N*m | a torque or energy | 1.5 kN*m | Nm 1, kN*m 1e3, kNm 1e3, MN*m 1e6, MNm 1e6
-W | a power | 100 kW | kW 1e3, MW 1e6
-m | a length | 60 mm | mm 1/1000, cm 1/100
+N*m*s/rad | a damping | 12 N*m*s/rad | 1 Nms/rad, 1e3 kN*m*s/rad, 1e3 kNms/rad
+kg*m**2 | an inertia | 1.2 kg*m**2 | 1 kgm**2
+N*m | a torque or energy | 1.5 kN*m | 1 Nm, 1e3 kN*m, 1e3 kNm, 1e6 MN*m, 1e6 MNm
+W | a power | 100 kW | 1e3 kW, 1e6 MW
+m | a length | 60 mm | 1/1000 mm, 1/100 cm
 m**2 | an area | 20 cm**2 |
 m**3 | a volume or shape factor | 5 m**3 |
 m/s | a velocity | 3 m/s |
@@ -52,15 +52,15 @@ kg/m**3 | a density | 7850 kg/m**3 |
 N | a force | 10 kN |
 N/m | a lateral stiffness | 50 MN/m |
 N*s/m | a lateral damping | 20 kN*s/m |
-Pa | a pressure, stress or modulus | 79.3 GPa | MPa 1e6, GPa 1e9, N/mm**2 1e6, bar 1e5
+Pa | a pressure, stress or modulus | 79.3 GPa | 1e6 MPa, 1e9 GPa, 1e6 N/mm**2, 1e5 bar
 N*m*s | an angular momentum | 12 N*m*s |
-"""  # SI unit | what it measures | an example to follow | common spellings with their sizes in that unit
+"""  # SI unit | what it measures | an example to follow | sizes in that unit of common spellings
 _ROWS = [[cell.strip() for cell in line.split("|")] for line in QUANTITIES.splitlines()]
 _KINDS = {unit: (what, example) for unit, what, example, _ in _ROWS}
 _COMMON = {
     unit: {
         spelling: _PI / int(size[3:]) if size[:3] == "pi/" else Fraction(size)
-        for spelling, size in (pair.split() for pair in sizes.split(",") if pair)
+        for size, spelling in (pair.split() for pair in sizes.split(",") if pair)
     }
     for unit, _, _, sizes in _ROWS
 }
