@@ -11,6 +11,7 @@ from tests.for_all import for_all
 
 import torsion
 from torsion.errors import InputError
+from torsion.model.machine import SEA_WATER
 from torsion.output.blocks import Paragraph
 from torsion.output.chapters import mass_elastic
 from torsion.output.station_layout import layout
@@ -173,6 +174,26 @@ def test_mean_torque_goes_through_both_halves_and_limits_are_those_of_both() -> 
     ratings = found.study.train["half shaft"].ratings
     assert (ratings.rated_torque, ratings.heat_limit) == (1600, 100)
     assert found.study.train["half shaft opposed"].ratings is None
+
+
+def test_damping_that_grows_with_the_speed_is_that_of_both_halves() -> None:
+    """Schwanecke: 0.0231 rho D^5 (P/D)^2 EAR/pi w of one wheel, at 11/41 of the speed of the motor."""
+    sizes = {"diameter": "0.8 m", "pitch_ratio": 1.1, "area_ratio": 0.6}
+    wheel = {
+        "propeller": {
+            "name": "wheel",
+            "inertia": J["wheel"],
+            "damping": {"model": "schwanecke"},
+            **sizes,
+        }
+    }
+    system = solved(scene(train=[*HALF[:-1], wheel])).system
+    speed = np.array([40.0, 250.0])
+    damping = system.ground_damping(speed, np.zeros((len(system.stations), 2)), None)
+    one = 0.0231 * SEA_WATER * 0.8**5 * 1.1**2 * 0.6 / np.pi * speed * 11 / 41
+    for k, station in enumerate(system.stations):
+        both = 2 * one if station.name in ("wheel", "wheel opposed") else 0 * one
+        assert damping[k] == pytest.approx(both, rel=1e-12)
 
 
 def test_half_shafts_by_their_size_are_two_shafts_of_twice_the_stress_modulus() -> None:

@@ -187,6 +187,23 @@ def test_a_choice_is_never_kept_where_a_case_fails() -> None:
             assert ("not judged: weak" in words) == bool(judged)
 
 
+def test_a_case_that_moves_a_component_reads_every_choice_of_it_anew(folder: Path) -> None:
+    """A row states what the file does not, at a place that is no component in a case without the first two."""
+    (folder / "r.csv").write_text("name,vibratory_torque [N*m]\na,150\nb,300\n")
+    made = text(
+        "plates: {catalogue: r.csv}", more="cases: {bare: {remove: [motor, rubber]}, soft: MORE}"
+    )
+    made = made.replace("vibratory_torque: 150 N*m", "rated_torque: 9 kN*m")
+    made = made.replace("operation: {", "operation: {at: pump, ")
+    made = made.replace("MORE", "{scale: {rubber.stiffness: 70 %}}")
+    study = torsion.parse(made, str(folder / "scene.yaml"))
+    variation = study.variations["design"]
+    is_put_in_columns = [
+        variation.in_case(study.cases[name]).declare is not None for name in ("bare", "soft")
+    ]
+    assert is_put_in_columns == [False, True]
+
+
 def test_a_case_without_rules_has_no_limit_that_counts() -> None:
     chosen = "hub.inertia: {values: [0.1, 0.15]}"
     more = "cases: {free: {rules: [], scale: {rubber.stiffness: 20 %}}}"

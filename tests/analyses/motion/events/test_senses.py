@@ -1,14 +1,15 @@
 """The sense of a torque: loads in both senses of rotation, and a worst phase beside a mean torque of either sign."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
 from tests.analyses.motion.test_given_cases import moved
 
-from torsion.analyses.motion.derived.worst_case import over_phases
+from torsion.analyses.motion.derived.worst_case import over_phases, worst_motion
 from torsion.analyses.motion.events.transient_settings import TransientSettings
+from torsion.analyses.motion.transient_motion import TransientMotion
 from torsion.arrays import FloatArray
 
 LOADS = {
@@ -81,3 +82,38 @@ def test_the_worst_phase_adds_to_a_mean_torque_of_either_sense(sign: float) -> N
             (np.abs(mean) + np.abs(wave))[span].max(), rel=1e-12
         )
         assert len(phases) == 1
+
+
+def test_the_motion_of_several_phases_is_as_doubtful_as_the_most_doubtful_of_them() -> None:
+    parts = "disc: {name: d, inertia: 2}, coupling: {stiffness: 1e4, clearance: 0.02 rad}, disc: {inertia: 3}"
+    found = moved(parts, {"duration": 0.2, "initial": {"speed": {"d": "5 rad/s"}}})
+    assert found.switching is not None
+    doubts = iter([(0.9, 1e-5, None), (0.4, 3e-5, 7.0), (None, 2e-5, None), (0.7, 0.0, 4.0)])
+
+    def solve(given: TransientSettings) -> TransientMotion:
+        late, change, scatter = next(doubts)
+        torque = found.torque + 10.0 * np.cos(given.events[0].body.phase)
+        switching = replace(
+            found.switching,
+            sensitive_after=late,
+            band_change=change,
+            scatter=None if scatter is None else np.full(1, scatter),
+        )
+        return replace(found, torque=torque, unresolved=np.full(1, change), switching=switching)
+
+    start = {
+        "torque": [["0 rpm", 1.0], ["100 rpm", 1.0]],
+        "synchronous": "1500 rpm",
+        "slip_pulsation": [["0 rpm", 1.0], ["100 rpm", 1.0]],
+    }
+    settings = TransientSettings.model_validate(
+        {"duration": 1.0, "events": [{"at": "d", "start": start}]}
+    )
+    worst = worst_motion(settings, solve, np.full(1, np.nan), np.ones(1), ())
+    assert worst.switching is not None
+    count = worst.phases_computed
+    assert count >= 3
+    assert worst.switching.sensitive_after == 0.4
+    assert worst.switching.band_change == 3e-5
+    assert worst.switching.scatter == pytest.approx([7.0])
+    assert worst.unresolved == pytest.approx([3e-5])
