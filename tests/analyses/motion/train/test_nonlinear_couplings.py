@@ -347,7 +347,7 @@ def test_a_motion_that_impacts_make_sensitive_says_from_when_on() -> None:
     found = moved(f"name: x\ntrain: [{parts}]\n", duration=5.0, events=events)
     assert found.switching is not None
     assert 0.5 < found.switching.sensitive_after < 3.0
-    assert len(whats(found)) > 900
+    assert len(whats(found)) > 700  # how many depends on rounding from then on
     assert found.residual < 1e-11  # each of the motions that cannot be told apart is one
     scatter = found.switching.scatter
     assert (
