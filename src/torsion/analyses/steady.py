@@ -19,7 +19,8 @@ from torsion.analyses.power_balance import (
     uncovered,
 )
 from torsion.arrays import FloatArray
-from torsion.assembly.system import System, elements
+from torsion.assembly.elements import elements
+from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, SolveError
 from torsion.findings import Work
 from torsion.kernels.trees.tree import closing_no_loop, walk

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from torsion.arrays import FloatArray
-from torsion.assembly.system import Element, System, by_part, damps, elements, pieces
+from torsion.assembly.elements import Element, by_part, damps, elements, pieces
+from torsion.assembly.system import System
 from torsion.results import Quantity, derived, reported, result
 from torsion.study import Study
 

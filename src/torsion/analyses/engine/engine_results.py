@@ -8,7 +8,8 @@ from typing import Literal
 import numpy as np
 
 from torsion.arrays import FloatArray
-from torsion.assembly.system import System, elements
+from torsion.assembly.elements import elements
+from torsion.assembly.system import System
 from torsion.results import derived, reported, result
 
 

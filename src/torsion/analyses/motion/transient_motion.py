@@ -5,7 +5,8 @@ import numpy as np
 from torsion.analyses.motion.events.milling_ice import IceTorque
 from torsion.analyses.motion.events.transient_settings import DEFAULT_MOST
 from torsion.arrays import ComplexArray, FloatArray, IntArray
-from torsion.assembly.system import NOTHING, System, elements, spans_by_name
+from torsion.assembly.elements import elements, spans_by_name
+from torsion.assembly.system import NOTHING, System
 from torsion.results import by_name, derived, reported, result
 
 BALANCED = 1e-8  # of the largest energy: what the balance of it may lack

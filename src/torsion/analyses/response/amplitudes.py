@@ -14,7 +14,8 @@ import numpy as np
 
 from torsion.analyses.response.harmonic_components import Line, Sources
 from torsion.arrays import BoolArray, ComplexArray, FloatArray, IntArray
-from torsion.assembly.system import System, elements, spans_by_name
+from torsion.assembly.elements import elements, spans_by_name
+from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, Path
 from torsion.kernels.trees.tree_response import Status
 from torsion.results import (

@@ -14,8 +14,9 @@ from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.steady import Steady
 from torsion.analyses.undamped_modes import Modes
 from torsion.arrays import FloatArray, IntArray
+from torsion.assembly.elements import elements
 from torsion.assembly.section.solved_sections import span_moduli, stress_modulus
-from torsion.assembly.system import NOTHING, System, elements
+from torsion.assembly.system import NOTHING, System
 from torsion.findings import Results, Work
 from torsion.kernels.trees.tree_response import Status
 from torsion.primitives import Bar

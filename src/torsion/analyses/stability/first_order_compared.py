@@ -11,7 +11,7 @@ from torsion.analyses.response.component_loads import rounding
 from torsion.analyses.response.synthesis import half_range_of
 from torsion.analyses.stability.periodic_orbits import Found, PeriodicResponse
 from torsion.arrays import FloatArray
-from torsion.assembly.system import Element, elements
+from torsion.assembly.elements import Element, elements
 from torsion.findings import Results
 from torsion.results import derived, reported, result
 
