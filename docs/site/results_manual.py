@@ -13,7 +13,7 @@ from docs.site.model_file_manual import toctree, write_pages
 
 from torsion.analyses import ANALYSES
 from torsion.findings import Plan, UsedSource
-from torsion.output import reports
+from torsion.output import stored_report
 from torsion.output.results_json import LEGEND, LISTED
 from torsion.output.scene import Scene, SpanRow, StationRow
 from torsion.results import is_list, parts, quantities
@@ -55,13 +55,16 @@ FIXED = (
     Key("program.version", "", (), "version of the program"),
     Key("legend", "", (), "conventions in words"),
     Key(
-        reports.FILES,
+        stored_report.FILES,
         "",
         (),
         "only in files: names of the files of the report, this one among them",
     ),
     Key(
-        reports.KEY, "", (), "only in files: the report, from which `torsion report` draws it again"
+        stored_report.KEY,
+        "",
+        (),
+        "only in files: the report, from which `torsion report` draws it again",
     ),
 )
 

@@ -162,7 +162,7 @@ def ends(
 
 
 def _lump(system, name: str, station: int) -> float:
-    from torsion.assembly.spans import bar_segments
+    from torsion.assembly.segments import bar_segments
 
     bar = next(bar for bar in system.train.bars if bar.name == name)
     return float(bar_segments(bar, system.segments[name])[1][0 if station == bar.driving else -1])

@@ -19,7 +19,7 @@ from torsion.kernels.modes.natural_modes import tree_modes
 from torsion.kernels.trees.tree import Tree
 from torsion.output.document import Document, document
 from torsion.output.renderers import OUTPUTS
-from torsion.output.results_json import _made
+from torsion.output.results_json import makers
 
 ROOT = Path(__file__).parents[2]
 FILE = Path(__file__).with_name("frozen_digits.json")
@@ -50,7 +50,7 @@ def solved(scene: str) -> Findings:
 @lru_cache(maxsize=1)
 def written(scene: str) -> dict[str, Any]:
     """What results.json says of a scene, with arrays in place of lists."""
-    return {key: make() for key, make in _made(solved(scene)).items()}
+    return {key: make() for key, make in makers(solved(scene)).items()}
 
 
 @lru_cache(maxsize=1)

@@ -23,8 +23,7 @@ from torsion.output.figures.figure import Figure
 from torsion.output.html import html
 from torsion.output.pdf import source
 from torsion.output.report_figures import csv_of
-from torsion.output.results_json import rendered
-from torsion.output.stored_report import opened
+from torsion.output.stored_report import opened, rendered
 from torsion.rules.verdict_line import Checks
 from torsion.schema.json_schema import json_schema
 from torsion.schema.yaml_source import parse_source

@@ -13,7 +13,7 @@ import numpy as np
 
 from torsion.assembly.elements import Element, damps, elements
 from torsion.assembly.section.solved_sections import stress_modulus
-from torsion.assembly.spans import bar_segments
+from torsion.assembly.segments import bar_segments
 from torsion.errors import InputError, without_controls
 from torsion.findings import Results, Work
 from torsion.model.parts import GearRating, MachineRecord

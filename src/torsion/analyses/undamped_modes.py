@@ -12,7 +12,7 @@ from torsion.analyses.modes.mode_nodes import nodes
 from torsion.arrays import FloatArray, IntArray
 from torsion.assembly import demand_resolution, is_as_fine, rediscretised, resolving
 from torsion.assembly.elements import by_part, elements
-from torsion.assembly.spans import phase
+from torsion.assembly.segments import phase
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, Path, SolveError
 from torsion.fields import Declared, given

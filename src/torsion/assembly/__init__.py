@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from torsion.arrays import FloatArray
-from torsion.assembly.spans import Row, Span, bar_segments, is_uniform, phase
-from torsion.assembly.system import Discretisation, System
+from torsion.assembly.segments import bar_segments, is_uniform, phase
+from torsion.assembly.system import Discretisation, Row, Span, System
 from torsion.errors import Fault, InputError, SolveError
 from torsion.primitives import Bar, Station
 from torsion.train import Train

@@ -9,8 +9,9 @@ import numpy as np
 
 from torsion.assembly import MOST, Collected
 from torsion.assembly.distributed_spans import BarSpans
-from torsion.assembly.spans import Piece, Row, Span, bar_segments, is_uniform, phase
-from torsion.assembly.system import Discretisation, System
+from torsion.assembly.pieces import Piece
+from torsion.assembly.segments import bar_segments, is_uniform, phase
+from torsion.assembly.system import Discretisation, Row, Span, System
 from torsion.primitives import Bar, Station
 from torsion.train import Train
 

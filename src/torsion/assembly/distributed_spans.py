@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
-from torsion.assembly.spans import Piece, is_uniform
+from torsion.assembly.pieces import Piece
+from torsion.assembly.segments import is_uniform
 
 if TYPE_CHECKING:
     from torsion.kernels.distributed.span_laws import Law, Shafts

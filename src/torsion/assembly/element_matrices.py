@@ -11,7 +11,8 @@ import numpy as np
 import skfem
 
 from torsion.arrays import FloatArray
-from torsion.assembly.spans import Piece, area_along, is_uniform
+from torsion.assembly.pieces import Piece
+from torsion.assembly.segments import area_along, is_uniform
 from torsion.kernels.distributed.finite_elements import CondensedElements, condensed_elements
 
 DEGREE_OF_SECTION = 4  # the polar moment of a conical shaft is a polynomial of this degree along it

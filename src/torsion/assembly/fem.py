@@ -7,7 +7,7 @@ import numpy as np
 
 from torsion.assembly import MOST
 from torsion.assembly.distributed_shafts import collect
-from torsion.assembly.spans import GAUSS, area_along, bar_segments, is_uniform, phase
+from torsion.assembly.segments import GAUSS, area_along, bar_segments, is_uniform, phase
 from torsion.assembly.system import Discretisation, System
 from torsion.primitives import Bar
 from torsion.sources import source

@@ -7,16 +7,16 @@ rigid gear a rigid span: products only, so nothing is lost. The softest spans th
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from fractions import Fraction
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
-from torsion.assembly.spans import Row, Span
 from torsion.errors import Fault, InputError
 from torsion.kernels.trees.tree import Tree, closing_no_loop, connected, walk
-from torsion.primitives import Damper, Station
+from torsion.primitives import Bar, Damper, Station
 from torsion.train import Train, fixed_point_faults
 
 if TYPE_CHECKING:
@@ -35,6 +35,37 @@ class Discretisation:
     frequency: float = 0.0  # Hz
     degree: int | None = None  # None: what the frequency needs
     elements: int | None = None  # of every shaft; None: what the frequency needs
+
+
+@dataclass(frozen=True, slots=True)
+class Span:
+    """An elastic or rigid piece between two stations, or a mesh or joint."""
+
+    name: str
+    part: int
+    driving: int
+    driven: int
+    ratio: Fraction = Fraction(1)  # speed of the driven / speed of the driving station
+    error: tuple[
+        tuple[int, complex], ...
+    ] = ()  # of the driven angle, over the driving station's angle
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """A shaft in segments: the rule for the stations between them and for their spans."""
+
+    bar: Bar
+    number: int  # of segments
+    inside: int  # position of the first station between segments
+    begin: Station  # at the driving end
+
+    @property
+    def stations(self) -> IntArray:
+        """(number + 1,) positions of all stations, from the driving to the driven one."""
+        ends = np.arange(self.inside - 1, self.inside + self.number, dtype=np.int64)
+        ends[0], ends[-1] = self.bar.driving, self.bar.driven
+        return ends
 
 
 @dataclass(frozen=True)

@@ -39,7 +39,7 @@ class Output:
 
 _of_findings = partial(Output, of_findings=True)
 OUTPUTS = {
-    "json": _of_findings("torsion.output.results_json:rendered", ".json"),
+    "json": _of_findings("torsion.output.stored_report:rendered", ".json"),
     "html": Output("torsion.output.html:html", ".html"),
     "csv": _of_findings("torsion.output.data_tables:report_columns", ".csv"),
     "motion": _of_findings("torsion.output.motion_files:motion", ".npz"),

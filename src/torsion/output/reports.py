@@ -3,10 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-KEY = "report"  # of a report in a file of results
 STEPS = "closing:steps"  # chapter before which the appendices of the full report stand
-FILES = "files"  # key of the names of its files
-END = "\n}\n"  # of a file of results
 
 
 @dataclass(frozen=True)

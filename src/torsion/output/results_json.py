@@ -13,7 +13,7 @@ from fractions import Fraction
 from functools import partial
 from hashlib import sha256
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +23,6 @@ import torsion
 from torsion.analyses import ANALYSES
 from torsion.errors import Fault, InputError
 from torsion.findings import Findings
-from torsion.output import reports
 from torsion.output.scene import Selection, scene, span_rows, station_rows
 from torsion.results import Quantity, is_declared, quantities
 
@@ -111,9 +110,7 @@ def reliable(value: Any, quantity: Quantity) -> Any:
     return np.where(bad, complex(np.nan, np.nan) if np.iscomplexobj(held) else np.nan, held)
 
 
-if TYPE_CHECKING:
-    from torsion.output.document import Document
-
+END = "\n}\n"  # of a file of results
 SERIES = "series.npz"  # beside results.json
 MOST_NUMBERS = 1_000_000  # of an array that is written as a list
 MOST_LISTED = 3_000_000  # of all arrays that are written as lists, about 60 MB of text; of later ones MOST_OF_A_CASE
@@ -180,7 +177,7 @@ def write_json(
             target.write(line.encode())
         paths = file.parent.rglob("*.*")
         names = [path.relative_to(file.parent).as_posix() for path in paths]
-        end = reports.END if ending is None else ending(before.hexdigest(), names)
+        end = END if ending is None else ending(before.hexdigest(), names)
         target.write(end.encode())
     return [file, series] if series.exists() else [file]
 
@@ -211,7 +208,7 @@ LEGEND = {
 
 def results(findings: Findings) -> dict[str, Any]:
     """Return everything that was found, in nested lists; what was not requested is null or an empty list."""
-    return {key: listed(make()) for key, make in _made(findings).items()}
+    return {key: listed(make()) for key, make in makers(findings).items()}
 
 
 def text(findings: Findings, only: tuple[str, ...] = (), largest: int = MOST_TEXT) -> str:
@@ -219,35 +216,28 @@ def text(findings: Findings, only: tuple[str, ...] = (), largest: int = MOST_TEX
 
     It is for a stream, which has no file beside it for long series. Raises InputError for more than `largest` bytes.
     """
-    message = f"the results are more than {largest / 1e6:.6g} MB of JSON, too many for --json"
-    hint = "use -o DIR, which writes long series to series.npz, or request fewer speeds, orders or modes"
-    excess = InputError([Fault((), message, hint)])
     sizes = list[int]()
+
+    def excess() -> InputError:
+        message = f"the results are more than {largest / 1e6:.6g} MB of JSON, too many for --json"
+        hint = "use -o DIR, which writes long series to series.npz, or request fewer speeds, orders or modes"
+        return InputError([Fault((), message, hint)])
 
     def count(_: str, array: NDArray[Any]) -> NDArray[Any]:
         sizes.append(LEAST_TEXT * array.size)
         if sum(sizes) > largest:
-            raise excess
+            raise excess()
         return array
 
-    made = _made(findings, only)
+    made = makers(findings, only)
     written = lines((key, replaced(make(), count)) for key, make in made.items())
-    text = "".join([*written, reports.END])
+    text = "".join([*written, END])
     if len(text) > largest:
-        raise excess
+        raise excess()
     return text
 
 
-def rendered(document: "Document", findings: Findings) -> Callable[[Path], list[Path]]:
-    """Return a writer of the results and their report into a file, and of very long arrays into another beside it."""
-    from torsion.output.stored_report import stored
-
-    return partial(
-        write_json, _made(findings, document.report.keys), ending=partial(stored, document)
-    )
-
-
-def _made(findings: Findings, only: tuple[str, ...] = ()) -> dict[str, Callable[[], Any]]:
+def makers(findings: Findings, only: tuple[str, ...] = ()) -> dict[str, Callable[[], Any]]:
     """Return what makes the value of every top-level key, with arrays in it; `only` of those, and of the head."""
     chosen = Selection(findings.system)
     names = [name for analysis in ANALYSES.values() for name in analysis.results]
@@ -273,4 +263,4 @@ def _of_case(findings: Findings) -> dict[str, Any]:
     if not findings.is_answered:
         no_train: Any = None  # a plan runs over none
         return {"plan": plain(findings.plan, Selection(no_train))}
-    return {key: make() for key, make in _made(findings).items() if key not in OF_ALL_CASES}
+    return {key: make() for key, make in makers(findings).items() if key not in OF_ALL_CASES}

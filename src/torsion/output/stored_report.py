@@ -6,21 +6,26 @@ is executed. The names of the files of the report stand behind it, as files may 
 
 import json
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from functools import partial
 from hashlib import sha256
 from pathlib import Path
 from typing import Any, get_args
 
 import torsion
 from torsion.errors import Fault, InputError, printable
+from torsion.findings import Findings
 from torsion.output.blocks import Block
 from torsion.output.document import Document
 from torsion.output.figures.figure import Picture
-from torsion.output.reports import END, FILES, KEY, REPORTS
+from torsion.output.reports import REPORTS
+from torsion.output.results_json import END, makers, write_json
 from torsion.output.stored_data import Arrays, plain, restored
 from torsion.user_files import LARGEST_RESULTS, read_file
 
 FORMAT = 1
+KEY = "report"  # of a report in a file of results
+FILES = "files"  # key of the names of its files
 WRITES = "`torsion solve` writes results.json, from which it is drawn"
 HEAD = re.compile(r'\{"format":(\d+),"program":"([^"]*)","sha256":"([0-9a-f]{64})","content":')
 # What stands before the report, before the names of its files, and behind them.
@@ -30,6 +35,12 @@ NAMED_CLASSES = frozenset((*get_args(Block), *get_args(Picture)))
 CONTROL = re.compile(  # in JSON text of no report
     r"(?<!\\)(?:\\\\)*\\(?:u00|b|f)|[\x7f-\x84\x86-\x9f\ud800-\udfff]"
 )
+
+
+def rendered(document: Document, findings: Findings) -> Callable[[Path], list[Path]]:
+    """Return a writer of the results and their report into a file, and of very long arrays into another beside it."""
+    parts = makers(findings, document.report.keys)
+    return partial(write_json, parts, ending=partial(stored, document))
 
 
 def stored(document: Document, before: str, names: Iterable[str]) -> str:

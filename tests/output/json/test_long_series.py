@@ -12,8 +12,8 @@ import torsion
 from torsion.errors import InputError
 from torsion.kernels.trees.tree_response import Status
 from torsion.output import results_json
-from torsion.output.reports import END
 from torsion.output.results_json import (
+    END,
     SERIES,
     lines,
     listed,

@@ -20,7 +20,7 @@ from torsion.analyses.undamped_modes import Modes, modes, modes_as_discretised, 
 from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.assembly import assemble
 from torsion.assembly.section.solved_sections import resolved
-from torsion.assembly.spans import bar_segments
+from torsion.assembly.segments import bar_segments
 from torsion.assembly.system import System
 from torsion.errors import Fault, Path
 from torsion.sources import source

@@ -26,7 +26,7 @@ from torsion.analyses.response.over_speed import requested_orders
 from torsion.analyses.undamped_modes import Modes, modes, modes_as_discretised, undamped_tree
 from torsion.arrays import FloatArray
 from torsion.assembly import SHARE_OF_ERROR
-from torsion.assembly.spans import bar_segments
+from torsion.assembly.segments import bar_segments
 from torsion.assembly.system import System
 from torsion.errors import InputError
 from torsion.fields import Declared, Quantity, given, refuse

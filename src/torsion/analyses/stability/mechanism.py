@@ -10,8 +10,7 @@ from fractions import Fraction
 import numpy as np
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
-from torsion.assembly.spans import Span
-from torsion.assembly.system import System
+from torsion.assembly.system import Span, System
 from torsion.errors import SolveError
 from torsion.kernels.trees.tree import connected, walk
 

@@ -17,7 +17,7 @@ from torsion.assembly import (
     of_train,
     segments_along,
 )
-from torsion.assembly.spans import bar_segments, phase
+from torsion.assembly.segments import bar_segments, phase
 from torsion.assembly.system import System
 from torsion.columns import NotInColumns, plain
 from torsion.errors import SolveError

@@ -13,8 +13,7 @@ from torsion.analyses.stability.mechanism import JointMap, error, joint_map
 from torsion.analyses.steady import Steady
 from torsion.analyses.undamped_modes import modes_as_discretised
 from torsion.arrays import FloatArray, IntArray
-from torsion.assembly.spans import Span
-from torsion.assembly.system import System
+from torsion.assembly.system import Span, System
 from torsion.errors import SolveError
 from torsion.kernels.joints import tripod
 from torsion.kernels.motion.collocation import Conditions, Law, Points

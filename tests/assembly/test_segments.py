@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from torsion.assembly import assemble
-from torsion.assembly.spans import BLOCK, bar_segments
+from torsion.assembly.segments import BLOCK, bar_segments
 from torsion.assembly.system import System
 from torsion.errors import InputError
 from torsion.model.disc import Disc

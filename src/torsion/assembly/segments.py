@@ -1,14 +1,12 @@
-"""Spans of a train, and the shafts in segments with the groups that stand for many of them."""
+"""Shafts in segments: their flexibilities and lumped inertias, by exact integrals."""
 
 import math
-from dataclasses import dataclass
-from fractions import Fraction
 
 import numpy as np
 
-from torsion.arrays import FloatArray, IntArray
+from torsion.arrays import FloatArray
 from torsion.kernels.round_sections import polar_area_moment
-from torsion.primitives import Bar, Station
+from torsion.primitives import Bar
 
 BLOCK = 2**14  # pieces of a cone, times variants, at once; 3 MB an array
 GAUSS = np.polynomial.legendre.leggauss(
@@ -63,51 +61,3 @@ def bar_segments(bar: Bar, number: int) -> tuple[FloatArray, FloatArray]:
     none = np.zeros_like(half[:1])
     lumps = np.concatenate([half, none]) + np.concatenate([none, half])
     return length / number / (modulus * means[0]), lumps
-
-
-@dataclass(frozen=True, slots=True)
-class Span:
-    """An elastic or rigid piece between two stations, or a mesh or joint."""
-
-    name: str
-    part: int
-    driving: int
-    driven: int
-    ratio: Fraction = Fraction(1)  # speed of the driven / speed of the driving station
-    error: tuple[
-        tuple[int, complex], ...
-    ] = ()  # of the driven angle, over the driving station's angle
-
-
-@dataclass(frozen=True, slots=True)
-class Row:
-    """A shaft in segments: the rule for the stations between them and for their spans."""
-
-    bar: Bar
-    number: int  # of segments
-    inside: int  # position of the first station between segments
-    begin: Station  # at the driving end
-
-    @property
-    def stations(self) -> IntArray:
-        """(number + 1,) positions of all stations, from the driving to the driven one."""
-        ends = np.arange(self.inside - 1, self.inside + self.number, dtype=np.int64)
-        ends[0], ends[-1] = self.bar.driving, self.bar.driven
-        return ends
-
-
-@dataclass(frozen=True)
-class Piece:
-    """A part of a shaft with distributed inertia: the one of the given position among so many of equal length."""
-
-    bar: Bar
-    position: int
-    number: int
-
-    @property
-    def length(self) -> float:
-        return self.bar.length / self.number
-
-    def polar_area_moment(self, x: FloatArray) -> FloatArray:
-        """Return I_p in m4 at `x`, from 0 at the driving to 1 at the driven end of the piece."""
-        return area_along(self.bar, (self.position + x) / self.number)
