@@ -148,13 +148,7 @@ def _between_sound_keys(
         return
     for field in kind.model_fields.keys() - sound.keys():
         vars(partly).pop(field, None)
-    validators = kind.__pydantic_decorators__.model_validators
-    others = [
-        check.func
-        for name, check in validators.items()
-        if check.info.mode == "after" and name != "_as_a_whole"
-    ]
-    for refuse in (*(clash.check for clash in kind.clashes), kind.refuse_clashes, *others):
+    for refuse in (*(clash.check for clash in kind.clashes), kind.refuse_clashes):
         try:
             refuse(partly)
         except Refusal as refusal:
