@@ -8,15 +8,21 @@ series of every torque are small. A law may have regimes, in each of which it is
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
-from functools import cache, partial
 from typing import NamedTuple
 
 import numpy as np
 
 from torsion.arrays import FloatArray
 from torsion.errors import SolveError
-from torsion.kernels.bracketed_search import find_root
-from torsion.kernels.motion.loaded_modes import ENDS, POINTS, SAME_TIME, SERIES, polynomial_value
+from torsion.kernels.motion.first_root import first_root
+from torsion.kernels.motion.loaded_modes import (
+    ENDS,
+    POINTS,
+    POWERS,
+    SAME_TIME,
+    SERIES,
+    polynomial_value,
+)
 from torsion.kernels.motion.march import GAIN, March
 
 NEWTON = 12
@@ -31,6 +37,7 @@ MOST_STEPS = 1_000_000  # of one torque; as many fewer of several: some ten minu
 WATCHED = 1000  # steps, in three times of which the march must gain pace where it needs too many
 WITHOUT_PROGRESS = 50  # changes of regime at one time
 TINY = float(np.finfo(float).tiny)
+BOUNDS = np.append(0.0, ENDS)  # of the parts of a step in which limits of regimes are looked for
 
 Limits = list[tuple[FloatArray, int]]
 Report = Callable[[float], None]  # called with the share of the time that is done
@@ -298,32 +305,44 @@ class _Collocation:
         self, time: float, trial: _Trial, length: float
     ) -> tuple[float, int, int] | None:
         """The first change of regime in a step: the share of it, the law, and the regime that follows."""
-        departure: tuple[float, int, int] | None = None
-        start = self.train.under(trial.torque, length)
-
-        @cache
-        def margin(share: float, number: int, which: int) -> float:
-            law, shares = self.laws[number], np.array([share])
+        crossings = list(self._crossings(time, trial, length))
+        if not crossings:
+            return None
+        start, part = self.train.under(trial.torque, length), min(crossings)[0]
+        crossings = [crossing for crossing in crossings if crossing[0] == part]
+        low, high = BOUNDS[part : part + 2].tolist()
+        while True:
+            # Shorter parts, until polynomials through their nodes are the margins themselves.
+            shares = low + (high - low) * BOUNDS
             turning = self.train.at(time, start, shares * length)
             motion = np.stack([polynomial_value(start.polynomial, shares), *turning])
-            points = _points(law, time + shares * length, motion)
-            return float(law.limits(self.regimes[number], points)[which][0][0])
+            margins = np.empty((len(crossings), len(shares)))
+            for row, (_, number, which, _) in enumerate(crossings):
+                law, regime = self.laws[number], self.regimes[number]
+                points = _points(law, time + shares * length, motion)
+                margins[row] = law.limits(regime, points)[which][0]
+            series = SERIES @ margins[:, 1:-1].T
+            if np.abs(series[-1]).max() <= AT_LIMIT or high - low <= SHORTEST:
+                break
+            part = int(np.append((margins[:, 1:-1] <= 0.0).any(axis=0), True).argmax())
+            low, high = shares[part : part + 2].tolist()
 
-        crossings = sorted(self._crossings(time, trial, length), key=lambda crossing: crossing[:2])
-        for low, high, number, which, follows in crossings:
-            if departure is not None and margin(departure[0], number, which) > 0.0:
-                continue  # it is left later
-            of_law = partial(margin, number=number, which=which)
-            is_left = of_law(low) <= (0.0 if low else AT_LIMIT)
-            share = low if is_left else float(find_root(of_law, low, high))
-            if departure is None or share < departure[0]:
-                departure = share, number, follows
-        return departure
+        barely = 0.0 if low else AT_LIMIT
+        passed = [
+            0.0 if margin[0] <= barely else first_root(polynomial, 0.0)
+            for margin, polynomial in zip(margins, (POWERS @ series).T.tolist(), strict=True)
+        ]
+        # A margin that is negative at the end of the part by rounding alone is passed there.
+        passed = [1.0 if share is None else share for share in passed]
+        return min(
+            (low + (high - low) * share, number, follows)
+            for share, (_, number, _, follows) in zip(passed, crossings, strict=True)
+        )
 
     def _crossings(
         self, time: float, trial: _Trial, length: float
-    ) -> Iterator[tuple[float, float, int, int, int]]:
-        """Shares of a step between which a law leaves its regime, the law, which of its limits, and the regime beyond."""
+    ) -> Iterator[tuple[int, int, int, int]]:
+        """Parts of a step between two of the BOUNDS in which a law passes a limit, the law, which limit, and what follows."""
         pairs, times = list(zip(self.laws, self.regimes, strict=True)), time + length * ENDS
         still = {interface for law, regime in pairs for interface in law.still(regime)}
         for number, (law, regime) in enumerate(pairs):
@@ -333,9 +352,7 @@ class _Collocation:
             for which, (margin, follows) in enumerate(limits):
                 below = np.flatnonzero(margin < -AT_LIMIT)
                 if below.size:
-                    high = int(below[0])
-                    low = 0.0 if high == 0 else float(ENDS[high - 1])
-                    yield low, float(ENDS[high]), number, which, follows
+                    yield int(below[0]), number, which, follows
 
 
 def _points(law: Law, times: FloatArray, motion: FloatArray) -> Points:
