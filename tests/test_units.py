@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.for_all import for_all
+from tests.texts import ANY_CHARACTER
 
 from torsion import units
 from torsion.errors import Refusal
@@ -296,7 +297,7 @@ PIECES = st.sampled_from(
         "\n",
     ]
 )
-TEXTS = st.text(max_size=30) | st.lists(PIECES, max_size=12).map("".join)
+TEXTS = st.text(ANY_CHARACTER, max_size=30) | st.lists(PIECES, max_size=12).map("".join)
 
 
 @settings(max_examples=60, deadline=None, derandomize=True)

@@ -10,6 +10,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from tests.for_all import for_all
+from tests.texts import ANY_CHARACTER
 
 import torsion
 from torsion.analyses.undamped_modes import ModesSettings
@@ -465,12 +466,12 @@ VALUES = st.recursive(
         st.booleans(),
         st.integers(),
         st.floats(),
-        st.text(max_size=5),
+        st.text(ANY_CHARACTER, max_size=5),
         st.sampled_from(["40 kN*m/rad", "115 %", "engine", "steel", "1e400", "nan"]),
     ),
     lambda inner: (
         st.lists(inner, max_size=3)
-        | st.dictionaries(st.text(min_size=1, max_size=4), inner, max_size=2)
+        | st.dictionaries(st.text(ANY_CHARACTER, min_size=1, max_size=4), inner, max_size=2)
     ),
     max_leaves=5,
 )

@@ -6,6 +6,7 @@ import pytest
 import yaml
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from tests.texts import ANY_CHARACTER
 
 from torsion.errors import InputError
 from torsion.model import KINDS
@@ -63,14 +64,14 @@ scalars = (
     | st.booleans()
     | st.integers()
     | st.floats()
-    | st.text(max_size=8)
+    | st.text(ANY_CHARACTER, max_size=8)
     | st.sampled_from([*WORDS, *ODD])
 )
 nested = st.recursive(
     scalars,
     lambda inner: (
         st.lists(inner, max_size=4)
-        | st.dictionaries(st.sampled_from(WORDS) | st.text(max_size=5), inner)
+        | st.dictionaries(st.sampled_from(WORDS) | st.text(ANY_CHARACTER, max_size=5), inner)
     ),
     max_leaves=12,
 )

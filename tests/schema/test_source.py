@@ -9,6 +9,7 @@ import yaml
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from tests.for_all import for_all
+from tests.texts import ANY_CHARACTER
 
 from torsion.errors import InputError
 from torsion.schema import yaml_source as source
@@ -434,7 +435,7 @@ PIECES = st.sampled_from(
 
 
 @settings(max_examples=120, deadline=None, derandomize=True)
-@given(text=st.text(max_size=30) | st.lists(PIECES, max_size=15).map("".join))
+@given(text=st.text(ANY_CHARACTER, max_size=30) | st.lists(PIECES, max_size=15).map("".join))
 @example(text="&a [" + "*a," * 3 + "]")
 def test_any_text_is_data_with_places_or_an_input_error(text: str) -> None:
     try:
