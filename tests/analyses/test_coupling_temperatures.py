@@ -110,6 +110,18 @@ def test_coupling_that_runs_away_fails_the_rule_of_its_maker() -> None:
     assert found.exit_status == 1
 
 
+def test_the_worst_speed_is_one_without_an_equilibrium() -> None:
+    """It has no equilibria to list, and only the speeds with several are listed with it."""
+    found = of(solved(350.0))
+    number = [len(roots(speed / (2.0 * math.pi), 350.0)) for speed in found.speed.tolist()]
+    assert found.number.tolist() == number
+    several = {speed for speed, count in zip(found.speed, number, strict=True) if count > 1}
+    assert number[0] == 0
+    assert max(number) == 1
+    assert several == set()
+    assert found.equilibria == ()
+
+
 def test_coupling_that_warms_little_passes_and_one_that_makes_no_heat_stays_cold() -> None:
     (check,) = solved(50.0).need(Checks).lines
     assert check.verdict == "pass"

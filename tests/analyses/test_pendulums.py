@@ -92,6 +92,21 @@ def test_response_is_that_of_hub_and_bob_about_a_constant_speed() -> None:
             assert deflection[at, column] == pytest.approx(abs(expected[4]), rel=1e-12)
 
 
+def test_the_deflection_of_all_orders_is_the_sum_of_their_magnitudes() -> None:
+    """Of the bobs at the worst speed, by the equations of hub and bob."""
+    (bobs,) = torsion.run(study()).need(Pendulums).each
+    assert bobs.speed is not None
+    mass, damp, stiff = equations(bobs.speed)
+    total = 0.0
+    acting = ((2.0, 0, 10.0), (2.5, 0, 7.0), (4.0, 3, 5.0), (80.0 * math.pi / bobs.speed, 0, 3.0))
+    for order, place, torque in acting:
+        w, force = order * bobs.speed, np.zeros(5)
+        force[place] = torque
+        total += abs(np.linalg.solve(stiff + 1j * w * damp - w * w * mass, force)[4])
+    assert bobs.deflection == pytest.approx(total, rel=1e-9)
+    assert bobs.deflection > 1.0001 * max(row.deflection or 0.0 for row in bobs.at_orders)
+
+
 def test_heat_is_that_of_the_pivots() -> None:
     given = study()
     found = torsion.response(given, assemble(given.train), speeds=np.array([2345.0 * RPM]))

@@ -11,7 +11,7 @@ from torsion.analyses.response import grid
 from torsion.analyses.response.harmonic_components import amplitude, excitations, sources
 from torsion.analyses.response.over_frequency import frequency_response
 from torsion.analyses.response.over_speed import ResponseSettings, response
-from torsion.analyses.response.solver import answer, ground_damping
+from torsion.analyses.response.solver import Answer, answer, by_magnitude, ground_damping
 from torsion.analyses.steady import steady_if_known
 from torsion.analyses.undamped_modes import modes
 from torsion.errors import InputError
@@ -418,3 +418,20 @@ def test_peaks_between_the_points_of_a_large_train_are_bounded():
     peaks, remark = grid.missed_peaks(x, wide, sound)
     assert len(peaks) == grid.FEWEST_PEAKS
     assert "the 100 most prominent" in remark
+
+
+def test_a_sum_of_magnitudes_is_as_doubtful_as_the_worst_of_its_parts() -> None:
+    """Three frequencies of two sources in any phase: magnitudes 5 + 13, 10 + 1 and 2 + 3, phases of the first."""
+    first, second = (
+        Answer(np.array([angle]).T, 2.0 * np.array([angle]).T, np.array(residual), np.array(status))
+        for angle, residual, status in (
+            ([3 + 4j, -10j, 2.0 + 0j], [1e-9, 2e-3, 0.0], [Status.SINGULAR, Status.OK, Status.OK]),
+            ([5 - 12j, 1j, -3.0 + 0j], [4e-6, 1e-4, 0.0], [1, Status.NEAR_SINGULAR, Status.OK]),
+        )
+    )
+    total = by_magnitude([first, second])
+    assert total.angle[:, 0] == pytest.approx([18 * (0.6 + 0.8j), -11j, 5.0], rel=1e-14)
+    assert total.torque == pytest.approx(2.0 * total.angle, rel=1e-14)
+    assert total.residual.tolist() == [4e-6, 2e-3, 0.0]
+    worst = [Status.SINGULAR, Status.NEAR_SINGULAR, Status.OK]
+    assert total.status.tolist() == worst

@@ -204,6 +204,18 @@ def test_a_frequency_beside_a_named_mode_keeps_its_side() -> None:
     assert "no mode is left between those that are named" in refused.plan.unanswered[0].why
 
 
+def test_a_named_mode_is_that_of_no_other_frequency() -> None:
+    """Nearest to both is mode 1, which is taken: the higher one goes to mode 2, the lower one of 53 Hz to mode 1."""
+    above = fit(
+        chain("{c1.stiffness: 20 %}", by_frequency(24.0, "1 %", 1), by_frequency(25.0, "1 %"))
+    )
+    assert [mode.mode for mode in above.modes] == [1, 2]
+    below = fit(
+        chain("{c1.stiffness: 20 %}", by_frequency(53.0, "1 %", 2), by_frequency(52.0, "1 %"))
+    )
+    assert [mode.mode for mode in below.modes] == [2, 1]
+
+
 def between(first: str, second: str, *measured: float) -> Fit:
     """A heavy disc between two light ones, on couplings of 10 and 11 kN m/rad."""
     discs = [
