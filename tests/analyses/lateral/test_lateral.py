@@ -286,6 +286,16 @@ def test_a_damped_resonance_is_met_at_its_peak() -> None:
     assert all(crossing.damping_ratio > 0 for crossing in resonances)
 
 
+def test_loss_in_the_shaft_damps_all_resonances_but_the_forward_one_of_unbalance() -> None:
+    """k (1 + i eta) = Omega2 (n2 M - n G), and k alone where the bent shaft turns with its speed."""
+    eta = 0.03
+    both = _turning(segment=replace(TUBE, loss_factor=eta))
+    for order, forward in ((1, 0.0), (2, eta / 2), (3, eta / 2)):
+        for crossing in criticals(both, order, 4000.0 / order):
+            ratio = forward if crossing.direction > 0 else eta / 2
+            assert crossing.damping_ratio == pytest.approx(ratio, rel=1e-11, abs=1e-14)
+
+
 def test_equal_supports_given_apart_answer_as_equal_ones() -> None:
     # the path of unequal planes against that of y + i z
     springs = [(1e7, 1e7), (1e7, 1e7 * (1 + 1e-13))]

@@ -126,6 +126,22 @@ def test_the_constant_torque_may_be_that_of_the_last_shaft() -> None:
     assert found[2][0, 0, 1] == pytest.approx(2 * np.mean(curve * np.exp(-2j * x)), rel=1e-12)
 
 
+def test_joints_behind_that_cancel_leave_the_couple_of_the_first_as_it_is() -> None:
+    """The last shaft of the line, whose torque is constant, then turns as the shaft behind the first joint."""
+    held = Shaft(length=1.0, diameter=0.05, support={"at": 0.8, "stiffness": 1e7})
+    opposite = Joint(angle="25 deg", plane="180 deg", phase="180 deg")
+    first, second = (Shaft(length=0.5, diameter=0.05) for _ in range(2))
+    pair = [first, Joint(angle="25 deg"), second, opposite, Disc(inertia=1.0)]
+    alone, line = (train([held, Joint(angle="30 deg"), *behind]) for behind in ([], pair))
+    one, other = (
+        couples_at(placed(built), bending_shafts(built)[0][0], np.full((count, 1), 90.0), "driven")
+        for built, count in ((alone, 1), (line, 3))
+    )
+    for order in (0, 2):
+        np.testing.assert_allclose(other[order], one[order], rtol=0, atol=1e-12 * 90.0)
+    assert np.abs(one[2]).max() > 10.0
+
+
 def test_a_support_counts_from_the_end_that_faces_the_joint() -> None:
     held = Shaft(
         length=1.0,
@@ -182,6 +198,7 @@ analyses: {lateral: }
             "one place only, because its support lies on the joint itself",
         ),
         ("support: {at: 0.8, stiffness: 1e-9}", "1e-9", "too soft to compute"),
+        ("support: {at: 0.8, stiffness: [1e6, 1e-9]}", "[1e6, 1e-9]", "too soft to compute"),
         (
             "note: a",
             "lateral",
@@ -288,8 +305,9 @@ def test_a_support_beside_its_shaft_and_a_material_without_a_modulus_are_faults(
     ]
 
 
-def test_shear_needs_moduli_that_belong_together() -> None:
-    odd = Material(shear_modulus=150e9, youngs_modulus=206e9, density=7850.0)
+@pytest.mark.parametrize("shear_modulus", [150e9, 60e9])  # Poisson's ratio -0.31 and 0.72
+def test_shear_needs_moduli_that_belong_together(shear_modulus: float) -> None:
+    odd = Material(shear_modulus=shear_modulus, youngs_modulus=206e9, density=7850.0)
     built = train([JOINT, _tube(material="odd"), Joint(angle="1 deg")], materials={"odd": odd})
     with pytest.raises(InputError, match="Poisson"):
         lateral(built, SPEEDS, LateralSettings(shear=True))

@@ -97,7 +97,8 @@ def test_file_gives_every_published_boundary_of_zhu_and_wang() -> None:
 
 def test_inertia_about_the_joint_is_that_of_a_hollow_bar_with_a_mass() -> None:
     tilting = bar(
-        "{length: 0.5 m, diameter: 60 mm, bore: 40 mm, support: {at: 0.4 m, stiffness: 1 kN/m, mass: 3 kg}}"
+        "{length: 0.5 m, diameter: 60 mm, bore: 40 mm, "
+        "support: {at: 0.4 m, stiffness: 1 kN/m, damping: [20, 60], mass: 3 kg}}"
     ).tilting
     mass = 7850.0 * np.pi / 4.0 * (0.06**2 - 0.04**2) * 0.5
     across = mass * (0.5**2 / 3.0 + (0.06**2 + 0.04**2) / 16.0) + 3.0 * 0.4**2
@@ -108,6 +109,8 @@ def test_inertia_about_the_joint_is_that_of_a_hollow_bar_with_a_mass() -> None:
     assert tilting.frequency["y"] == pytest.approx(
         0.4 * math.sqrt(1e3 / across) / (2.0 * np.pi), rel=1e-14
     )
+    decay = [c * 0.4**2 / across / 2.0 for c in (20.0, 60.0)]  # half of c a2 / J, of y and of z
+    assert tilting.decay_rate == pytest.approx(decay, rel=1e-14)
     assert tilting.frequency["z"] == tilting.frequency["y"]
 
 
