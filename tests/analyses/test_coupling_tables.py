@@ -1,6 +1,7 @@
 """Couplings by table against closed forms, many digits and the same train with a plain coupling."""
 
 import math
+from dataclasses import replace
 
 import mpmath as mp
 import numpy as np
@@ -8,10 +9,12 @@ import pytest
 
 import torsion
 from torsion.analyses.modes.coupling_tables import CouplingTables
+from torsion.analyses.modes.tabled_modes import tabled_modes
 from torsion.analyses.response.component_loads import harmonic_heat
 from torsion.analyses.response.over_frequency import frequency_response
-from torsion.analyses.undamped_modes import modes
+from torsion.analyses.undamped_modes import Modes, modes
 from torsion.assembly import assemble
+from torsion.assembly.system import System
 from torsion.assembly.tabled_spans import taken_at
 from torsion.errors import InputError, SolveError
 from torsion.kernels.stiffness_laws import StiffnessTable
@@ -198,6 +201,22 @@ def test_held_ends_give_modes_beyond_them_those_of_their_stiffness() -> None:
         assert (expected.frequency < found.upper).all()
 
 
+@pytest.mark.parametrize("last", [20e3, 160e3])
+def test_bounds_are_wider_by_the_steepest_slope_of_the_stiffness(last: float) -> None:
+    """(2 - d ln k/d ln w) d ln w = d ln lambda, of bounds of 1e-6 of each frequency; linear, steepest at its end."""
+    given = study(f"table: {{over: frequency, at: [5, 40], stiffness: [20e3, {last}]}}")
+
+    def solve(system: System, count: int | None) -> Modes:
+        exact = modes(system, count)
+        return replace(exact, lower=exact.lower * (1 - 1e-6), upper=exact.upper * (1 + 1e-6))
+
+    found = tabled_modes(assemble(given.train), None, solve)
+    steepest = (last - 20e3) / 35.0 * 40.0 / last
+    width = 2e-6 / (2.0 - steepest)
+    assert found.upper / found.frequency - 1.0 == pytest.approx([width], rel=1e-5)
+    assert 1.0 - found.lower / found.frequency == pytest.approx([width], rel=1e-5)
+
+
 def test_modes_above_a_table_that_ends_are_left_out_and_said_so() -> None:
     short = "table: {over: frequency, at: [5, 10], stiffness: [20e3, 24e3]}"
     found = torsion.run(study(short, "analyses: {modes: {count: 2}}", THREE))
@@ -216,6 +235,13 @@ def test_mode_below_a_table_is_refused_at_the_table() -> None:
     ) as caught:
         torsion.run(late)
     assert ":4:" in str(caught.value.located)
+
+
+def test_mode_below_two_tables_is_refused_at_the_one_that_begins_last() -> None:
+    law = "table: {{over: frequency, at: [{}, 60], stiffness: [20e3, 24e3]}}"
+    second = f"  - coupling: {{name: d, {law.format(30)}}}\n  - disc: {{inertia: 30}}\n"
+    with pytest.raises(SolveError, match="mode 1 lies below 30 Hz, where the table of 'd' begins"):
+        modes(assemble(study(law.format(20), more=second).train))
 
 
 def test_stiffness_that_rises_faster_than_the_square_of_the_frequency_is_refused_for_modes_alone() -> (

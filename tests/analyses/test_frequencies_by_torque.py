@@ -76,6 +76,40 @@ def test_an_order_that_meets_a_curve_three_times_has_three_critical_speeds() -> 
     assert [one.speed / RPM for one in found] == pytest.approx([low, through, high], rel=1e-11)
 
 
+def test_an_order_that_passes_a_curve_between_two_speeds_of_the_grid_has_both_critical_speeds() -> (
+    None
+):
+    """It meets the flat part 1 rpm below the corner at 800 rpm, where the curve begins to rise beyond it at once."""
+    flat = 8.0 * (1.5 * RPM * 799.0) ** 2
+    steep = f"table: {{over: mean torque, at: [0, 6400, 6600, 10e3], stiffness: [{flat!r}, {flat!r}, 180e3, 180e3]}}"
+    found = [
+        one.speed / RPM
+        for one in torsion.run(study(steep)).need(CriticalSpeeds).crossings
+        if float(one.order) == 1.5
+    ]
+    rise = (180e3 - flat) / 200.0
+    through = math.sqrt((6400.0 * rise - flat) / (rise / 100.0 - 8.0 * (1.5 * RPM) ** 2))
+    high = math.sqrt(180e3 / 8.0) / (1.5 * RPM)
+    assert 800.0 < through < 801.0
+    assert found == pytest.approx([799.0, through, high], rel=1e-11)
+
+
+def test_response_has_a_point_where_an_order_meets_a_mode_that_only_high_torque_lifts_above_it() -> (
+    None
+):
+    """Three discs on equal couplings: w2 = sqrt(3 k/J) is met at 637 rpm, w1 = sqrt(k/J) by nothing at 1000 rpm."""
+    soft = 10.0 * (2.0 * 637.0 * RPM) ** 2 / 3.0
+    law = f"at: [0, 6e3, 7e3, 10e3], stiffness: [{soft!r}, {soft!r}, 600e3, 600e3]"
+    coupling = f"  - coupling: {{table: {{over: mean torque, {law}, loss_factor: [0.1, 0.1, 0.1, 0.1]}}}}\n"
+    discs = ("motor: {name: a", "disc: {name: b", "propeller: {name: c")
+    train = coupling.join(f"  - {disc}, inertia: 10}}\n" for disc in discs)
+    speeds = f"{{from: 100 rpm, to: 1000 rpm, steps: 10}}, rated: {{speed: 1000 rpm, power: {10e3 * 1000.0 * RPM!r}}}"
+    text = f"name: t\ntrain:\n{train}operation: {{speeds: {speeds}}}\nexcitations: [{{at: a, order: 2, torque: 9}}]\n"
+    found = torsion.run(torsion.parse(text + "analyses: {modes: {count: 1}, response: }\n"))
+    speed = found.results["response"].speed / RPM
+    assert abs(speed / 637.0 - 1.0).min() < 1e-11
+
+
 def test_response_of_each_speed_has_the_stiffness_of_its_mean_torque() -> None:
     table = f"table: {{over: mean torque, {POINTS}, loss_factor: [0.1, 0.1, 0.1, 0.1, 0.1]}}"
     given, speeds = study(table), np.array([300.0, 450.0, 700.0, 1000.0]) * RPM

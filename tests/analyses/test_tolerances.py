@@ -64,9 +64,12 @@ def test_bands_are_the_corners_to_rounding() -> None:
     for sign, band in ((-1, made.lower), (1, made.upper)):
         ends = [k * (1 + sign * t) for k, t in zip(STIFFNESS, WIDE, strict=True)]
         assert band == pytest.approx(exact(ends), rel=3e-15)
-    assert (
-        made.lower < exact([k * (1 - t) for k, t in zip(STIFFNESS, WIDE, strict=True)])
-    ).all()  # a bound
+    low, high = (
+        exact([k * (1 + sign * t) for k, t in zip(STIFFNESS, WIDE, strict=True)])
+        for sign in (-1, 1)
+    )
+    assert (made.lower < low).all()  # a bound
+    assert (high < made.upper).all()
 
 
 HEAVY = (0.05, 0.02, 0.05, 0.10)
@@ -138,6 +141,8 @@ def test_each_coupling_alone_without_it_and_rigid() -> None:
     first = found(scene()).couplings[0]
     assert first.lower == pytest.approx(exact((17000.0, *STIFFNESS[1:])), rel=1e-14)
     assert first.upper == pytest.approx(exact((23000.0, *STIFFNESS[1:])), rel=1e-14)
+    width = np.subtract(exact((23000.0, *STIFFNESS[1:])), exact((17000.0, *STIFFNESS[1:])))
+    assert first.change == pytest.approx(width / exact(STIFFNESS), rel=1e-12)
     assert first.softest == pytest.approx([0.0, *exact(STIFFNESS[1:], INERTIA[1:])], rel=1e-14)
     assert first.stiffest[:2] == pytest.approx(exact(STIFFNESS[1:], (1.55, 0.6, 0.95)), rel=1e-14)
     assert first.stiffest[2] == np.inf
