@@ -199,6 +199,12 @@ def test_harmonics_of_a_throw_are_those_of_an_adaptive_quadrature(
     np.testing.assert_allclose(
         [one.masses for one in own.harmonics], inertia, atol=1e-10 * np.abs(inertia).max()
     )
+    total = wanted[1:] + inertia
+    np.testing.assert_allclose(
+        [one.total for one in own.harmonics], total, atol=1e-10 * np.abs(total).max()
+    )
+    power = [-harmonic(end, 0).real * speed for end in ENDS[2 * throw : 2 * throw + 2]]
+    np.testing.assert_allclose([one.power for one in own.ends], power, rtol=1e-9)
 
 
 def test_the_torque_absorbed_is_the_work_of_the_ideal_cycle(compressor: CompressorFound) -> None:

@@ -16,6 +16,7 @@ from torsion.analyses.engine.engine_analysis import varying_inertia
 from torsion.analyses.engine.engine_results import Engines
 from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.steady import Steady, steady
+from torsion.analyses.undamped_modes import Modes
 from torsion.arrays import FloatArray
 from torsion.findings import Findings, Unanswered, Work
 from torsion.kernels.engine.crank_slider import CrankSlider
@@ -199,6 +200,10 @@ def test_mean_torque_enters_at_the_cylinders_that_fire(state: str, whole: float)
         station.name: float(value)
         for station, value in zip(found.system.stations, at.applied[:, 0], strict=True)
     }
+    shares = [cylinder.share for cylinder in found.need(Engines).each[0].cylinders]
+    cold = {"": (), "m": (3,), "c": (1, 2)}[state[:1]]
+    raised = 1.2 if "keep" in state else 1.0  # five take the heat of six
+    assert shares == pytest.approx([0.0 if k in cold else raised for k in range(1, 7)], rel=1e-15)
     engine = [value for name, value in applied.items() if name.startswith("main engine")]
     assert sum(engine) == pytest.approx(whole * 1019.53686, rel=1e-9)
     assert applied["flywheel"] == pytest.approx(-sum(engine), rel=1e-12)
@@ -227,6 +232,15 @@ def test_the_sums_of_phasors_with_the_first_shape_are_those_of_the_vector() -> N
     np.testing.assert_allclose(
         sums, ORACLES["phasor_sums"]["in-line 6, 1-5-3-6-2-4"]["orders .5..6 by .5"], atol=2e-6
     )
+    # Of every shape the sum over the cylinders, their firing angles written out.
+    fires = 2.0 * math.pi * np.array([(1, 5, 3, 6, 2, 4).index(k) for k in range(1, 7)]) / 6.0
+    names = [station.name for station in found.system.stations]
+    throws = [names.index(cylinder.station) for cylinder in engine.cylinders]
+    for k, angle in enumerate(found.need(Modes).shape[throws, :3].T):
+        weight = np.abs(angle) / np.abs(angle).max() * np.sign(angle)
+        for one in engine.harmonics[:12]:
+            turned = np.exp(-1j * float(2 * one.order) * fires)
+            assert one.by_mode[k] == pytest.approx(abs(turned @ weight), rel=1e-11, abs=1e-13)
     rigid = [one.rigid for one in engine.harmonics]
     np.testing.assert_allclose(
         rigid, [6.0 if one.order % 3 == 0 else 0.0 for one in engine.harmonics], atol=4e-15
@@ -435,6 +449,23 @@ def test_the_estimate_of_parametric_resonance_is_that_of_the_undamped_equation_t
     assert not replace(mode, damping=growth * 0.98 / 1.02).is_stable
 
 
+def test_the_six_lowest_modes_have_the_shares_of_their_shapes_in_a_varying_inertia() -> None:
+    """Eight equal discs: w = 2 sqrt(k/J) sin(r pi/16), and 2/(8 J) cos2(r pi/16) on the first."""
+    line = ", coupling: {stiffness: 9e4}, ".join(["disc: {inertia: 3}"] * 8)
+    text = f"name: x\ntrain: [{line}]\nanalyses: {{modes: {{count: 7}}}}\n"
+    findings = torsion.run(torsion.parse(text), only=("modes",))
+    work = Work(findings.study, dict(findings.results))
+    rows = list(varying_inertia(work, [(0, np.array([0.02j, 0.06 + 0.08j]))]))
+    turn = math.pi / 16.0 * np.arange(1, 7)
+    share = 0.1 * 2.0 / (8.0 * 3.0) * np.cos(turn) ** 2
+    middle = 2.0 * math.sqrt(9e4 / 3.0) * np.sin(turn)  # twice the frequency over harmonic 2
+    assert [(row.mode, row.harmonic) for row in rows] == [(mode, 2) for mode in range(1, 7)]
+    assert [row.share for row in rows] == pytest.approx(share.tolist(), rel=1e-12)
+    ends = [(row.lower, row.upper) for row in rows]
+    expected = np.transpose([middle * (1.0 - share / 4.0), middle * (1.0 + share / 4.0)])
+    np.testing.assert_allclose(ends, expected, rtol=1e-12)
+
+
 TWIN = """
 name: two engines
 operation: {speeds: {from: 900 rpm, to: 1000 rpm, steps: 3}}
@@ -547,6 +578,15 @@ def test_a_phase_that_is_any_is_not_for_motion_over_time() -> None:
         torsion.InputError, match=r"`phase: worst` adds magnitudes, and a motion over time"
     ):
         torsion.parse(text)
+
+
+def test_a_phase_that_is_any_is_not_for_couplings_with_backlash() -> None:
+    text = TWIN.replace("PHASE", "phase: worst,")
+    text = text.replace("1e5, loss_factor: 0.1", "1e5, viscous: 3, clearance: 0.1 deg")
+    words = "`phase: worst` adds magnitudes, and backlash, friction, stages or a clutch does not"
+    with pytest.raises(torsion.InputError, match=words) as caught:
+        torsion.parse(text)
+    assert caught.value.faults[0].path[-1] == "phase"
 
 
 def test_the_first_page_names_the_cylinder_that_misfires() -> None:

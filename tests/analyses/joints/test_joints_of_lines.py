@@ -274,6 +274,16 @@ def test_one_joint_alone_may_be_changed():
     assert best.index_best <= best.index_over.min()
 
 
+def test_angle_of_the_first_joint_may_be_chosen_and_is_that_of_the_joint_opposite():
+    """In one plane, yokes alike: two equal angles cancel. The picture reaches from 0 to the 50 degrees of the file."""
+    line = [Joint(name="first", angle="50 deg"), Joint(angle="9 deg")]
+    best = found(line, optimise="angle", joint="first").lines[0].optimum
+    assert np.degrees(best.best) == pytest.approx([9.0], rel=1e-7)
+    assert best.index_best == pytest.approx(0.0, abs=1e-9)
+    assert np.degrees(best.over[[0, -1]]) == pytest.approx([0.0, 50.0], rel=1e-12)
+    assert best.index_over[-1] == pytest.approx(best.index_before, rel=1e-12)
+
+
 def test_line_with_nothing_to_choose_says_so():
     result = found([Joint(angle="12 deg"), Joint(angle="4 deg", kind="cv")], optimise="phase")
     assert result.lines[0].optimum is None
