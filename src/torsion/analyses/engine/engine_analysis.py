@@ -19,7 +19,7 @@ from torsion.analyses.engine.engine_results import (
     VaryingInertia,
 )
 from torsion.analyses.power_balance import power_balance
-from torsion.analyses.response.amplitudes import Response
+from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.response.harmonic_components import Sources
 from torsion.analyses.response.solver import answers, ground_damping
 from torsion.analyses.response.synthesis import synthesis
@@ -38,8 +38,10 @@ STATED = "`misfire: worst` solves the train for every cylinder"
 SAME_PEAK = 3e-3  # relative: nearer peaks stand for each other
 
 
-def misfires(study: Study, response: Response, engine: EngineRecord) -> list[MisfireFound]:
-    """Return the engine with no cylinder motored, then each alone.
+def misfires(
+    study: Study, response: Response, total: Synthesis, engine: EngineRecord
+) -> list[MisfireFound]:
+    """Return the engine with no cylinder motored, then each alone; total: the sum of all orders of the response.
 
     Empty where the motored torque is unknown or nothing excites.
     """
@@ -55,13 +57,13 @@ def misfires(study: Study, response: Response, engine: EngineRecord) -> list[Mis
         if np.abs(response.speed[chosen] / response.speed[peak] - 1.0).min() > SAME_PEAK:
             chosen.append(peak)
     speeds = np.sort(np.array(chosen, dtype=np.int64))
-    half_range = _half_ranges(study, response, engine, speeds)
+    half_range = _half_ranges(study, response, total, engine, speeds)
     # All speeds between the neighbours of that with the largest value of a case and span.
     largest = np.unique(np.nan_to_num(half_range, posinf=0.0).argmax(axis=1))
     first, last = (speeds[np.clip(largest + step, 0, len(speeds) - 1)] for step in (-1, 1))
     near = [np.arange(*ends) for ends in zip(first.tolist(), last.tolist(), strict=True)]
     added = np.setdiff1d(np.concatenate(near), speeds)
-    added_half_range = _half_ranges(study, response, engine, added)
+    added_half_range = _half_ranges(study, response, total, engine, added)
     half_range = np.concatenate([half_range, added_half_range], axis=1)
     speeds = np.append(speeds, added)
     order = np.argsort(speeds)
@@ -72,7 +74,7 @@ def misfires(study: Study, response: Response, engine: EngineRecord) -> list[Mis
 
 
 def _half_ranges(
-    study: Study, response: Response, engine: EngineRecord, speeds: IntArray
+    study: Study, response: Response, total: Synthesis, engine: EngineRecord, speeds: IntArray
 ) -> FloatArray:
     """Return the amplitudes (cases, speeds, spans) N m at some positions of speeds, the first with all firing."""
     system = response.system
@@ -110,16 +112,21 @@ def _half_ranges(
     half_ranges = []
     for case in range(len(engine.cylinders) + 1):
         torque = response.torque[speeds]
+        is_changed = False
         for line, number, source in harmonics:
             law = source.cylinder
             state: State = "motored" if number == case else "firing"
             if law is None or (law.state == state and (law.share == 1.0 or state == "motored")):
                 continue
+            is_changed = True
             own_speed = speed * float(system.speed_ratio[source.station])
             mean = None if steady is None else steady.applied[law.station]
             changed = replace(law, state=state, share=1.0)
             change = changed.amplitude(own_speed, mean) - law.amplitude(own_speed, mean)
             torque[:, line] += change[:, None] * unit_torque[source.station, line]
+        if not is_changed:
+            half_ranges.append(total.half_range[speeds])
+            continue
         mean_torque = response.mean[speeds]
         status = response.status[speeds]
         changed_response = replace(response, torque=torque, mean=mean_torque, status=status)
@@ -292,11 +299,11 @@ def _misfires(work: Work, engine: EngineRecord) -> Callable[[], Sequence[Misfire
 
     It gives nothing without a response, and in all but the first of the runs of `misfire: worst`.
     """
-    response = work.get(Response)
+    response, total = work.get(Response), work.get(Synthesis)
     name = work.study.train.parts[engine.part].name
     first = next(cylinder for cylinder in engine.cylinders if cylinder.state != "cut out")
     is_later_run = engine.tries_all and first.state != "motored"
-    if response is None or len(engine.cylinders) == 1 or is_later_run:
+    if response is None or total is None or len(engine.cylinders) == 1 or is_later_run:
         return tuple
     if work.study.case is not None and not engine.tries_all:
         work.log.without(
@@ -314,7 +321,7 @@ def _misfires(work: Work, engine: EngineRecord) -> Callable[[], Sequence[Misfire
     if why:
         work.log.without(f"misfire of each cylinder of {name}", f"{why}; {STATED}")
         return tuple
-    return partial(misfires, work.study, response, engine)
+    return partial(misfires, work.study, response, total, engine)
 
 
 def engine_faults(study: Study) -> Iterator[Fault]:

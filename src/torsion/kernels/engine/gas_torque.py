@@ -172,16 +172,15 @@ class GasLaw:
         where = speed if self.over == "speed" else load
         if where is None:
             where = np.full(len(speed), self.at[-1] if self.stated is None else self.stated)
+        if state == "firing" and share == 1.0:
+            return self._along(self.firing, number, where)
         motored = None if self.motored is None else self._along(self.motored, number, where)
         if state == "motored":
             if motored is None:
                 raise ValueError("the motored harmonics are not known")
             return motored
-        torque = self._along(self.firing, number, where)
-        if share == 1.0:
-            return torque
         none = 0.0 if motored is None else motored
-        return none + share * (torque - none)
+        return none + share * (self._along(self.firing, number, where) - none)
 
     def _along(self, values: ComplexArray, number: int, where: FloatArray) -> ComplexArray:
         """(places,) one harmonic of values (points or 1, harmonics), straight between the points."""
@@ -191,6 +190,8 @@ class GasLaw:
         inside = np.interp(where, self.at, harmonic)
         if self.goes_on:
             for beyond, edge, two in ((where < self.at[0], 0, 1), (where > self.at[-1], -1, -2)):
+                if not beyond.any():
+                    continue
                 slope = (harmonic[two] - harmonic[edge]) / (self.at[two] - self.at[edge])
                 inside = np.where(beyond, harmonic[edge] + slope * (where - self.at[edge]), inside)
         return np.asarray(inside, dtype=complex)
