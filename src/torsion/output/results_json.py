@@ -173,8 +173,8 @@ def write_json(
 
     with opened, file.open("wb") as target:
         for line in lines((key, replaced(make(), stored, key)) for key, make in parts.items()):
-            before.update(line.encode())
-            target.write(line.encode())
+            before.update(line)
+            target.write(line)
         paths = file.parent.rglob("*.*")
         names = [path.relative_to(file.parent).as_posix() for path in paths]
         end = END if ending is None else ending(before.hexdigest(), names)
@@ -182,10 +182,10 @@ def write_json(
     return [file, series] if series.exists() else [file]
 
 
-def lines(parts: Iterable[tuple[str, Any]]) -> Iterator[str]:
-    """Yield the text of a JSON object, one line for each key, without its end."""
+def lines(parts: Iterable[tuple[str, Any]]) -> Iterator[bytes]:
+    """Yield the text of a JSON object in UTF-8, one line for each key, without its end."""
     for position, (key, value) in enumerate(parts):
-        yield f"{',' if position else '{'}\n{_json(key).decode()}: {_json(value).decode()}"
+        yield b"%b\n%b: %b" % (b"," if position else b"{", _json(key), _json(value))
 
 
 FORMAT = 1
@@ -231,10 +231,10 @@ def text(findings: Findings, only: tuple[str, ...] = (), largest: int = MOST_TEX
 
     made = makers(findings, only)
     written = lines((key, replaced(make(), count)) for key, make in made.items())
-    text = "".join([*written, END])
+    text = b"".join(written) + END.encode()
     if len(text) > largest:
         raise excess()
-    return text
+    return text.decode()
 
 
 def makers(findings: Findings, only: tuple[str, ...] = ()) -> dict[str, Callable[[], Any]]:

@@ -9,6 +9,7 @@ import re
 from collections.abc import Callable, Iterable
 from functools import partial
 from hashlib import sha256
+from mmap import ACCESS_READ, mmap
 from pathlib import Path
 from typing import Any, get_args
 
@@ -72,9 +73,14 @@ def file_at(path: Path) -> Path:
 
 def names_in(file: Path) -> set[str]:
     """Return the names of the files of a report from its results; none where they are behind a symbolic link."""
+    if file.is_symlink():
+        return set()
+    mark = NAMED.encode()
     try:
-        text = "" if file.is_symlink() else file.read_bytes().decode()
-        names = json.loads(text.rpartition(NAMED)[2].removesuffix(END))
+        # Of a file of many MB only its end is read.
+        with file.open("rb") as source, mmap(source.fileno(), 0, access=ACCESS_READ) as results:
+            end = results[max(results.rfind(mark), 0) :]
+        names = json.loads(end.removeprefix(mark).removesuffix(END.encode()))
     except (OSError, ValueError, RecursionError):
         return set()
     return {name for name in names if isinstance(name, str)}
