@@ -41,10 +41,11 @@ def start_of(regime: Regime) -> Start:
     coordinates, free = len(regime.root), regime.free.shape[1]
     y = random.normal(size=(coordinates, 2)) @ np.array([[1.0], [1.0j]])
     y[:free] = y[:free].real
-    polynomial = 50.0 * random.normal(size=(POINTS, 1, 1))
+    powers = LENGTH ** np.arange(POINTS)[:, None, None]
+    polynomial = 50.0 * random.normal(size=(POINTS, 1, 1)) / powers
     offset = 1e-3 * random.normal(size=(2, 1))
     turned, begun = random.normal(size=(free, 1)), np.zeros((1, 1))
-    return Start(np.array([0.02]), y, turned, offset, polynomial, np.array([LENGTH]), begun)
+    return Start(np.array([0.02]), y, turned, offset, polynomial, begun)
 
 
 @pytest.mark.parametrize(
@@ -59,7 +60,7 @@ def test_samples_are_the_motion_and_its_derivatives(stiffness: float, states: tu
 
     def sampled(name: str) -> np.ndarray:
         rows = ROWS[name](regime)
-        return sample(regime, train.history.acting[0], rows, TIMES, LENGTH) @ begin
+        return sample(regime, train.history.acting[0], rows, TIMES) @ begin
 
     motion = regime.read(0, start, TIMES)
     second = train.inputs_at(0, start, TIMES, 3)[:, :, 2]

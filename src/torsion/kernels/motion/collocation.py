@@ -315,7 +315,7 @@ class _Collocation:
             # Shorter parts, until polynomials through their nodes are the margins themselves.
             shares = low + (high - low) * BOUNDS
             turning = self.train.at(time, start, shares * length)
-            motion = np.stack([polynomial_value(start.polynomial, shares), *turning])
+            motion = np.stack([polynomial_value(start.polynomial, shares * length), *turning])
             margins = np.empty((len(crossings), len(shares)))
             for row, (_, number, which, _) in enumerate(crossings):
                 law, regime = self.laws[number], self.regimes[number]

@@ -16,7 +16,7 @@ import numpy as np
 
 from torsion.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from torsion.errors import SolveError
-from torsion.kernels.motion.loaded_modes import POINTS, LoadedModes, Start, answers, turning
+from torsion.kernels.motion.loaded_modes import LoadedModes, Start, answers, turning
 
 if TYPE_CHECKING:
     from torsion.kernels.motion.piecewise_elements import Law, Switch
@@ -173,7 +173,6 @@ class Regime:
         loads = {0.0j: [self.force[:, :1] + self.force[:, train.following.stop :] @ start.offset]}
         if start.polynomial.any():
             powers = self.force[:, train.following] @ start.polynomial
-            powers /= start.length ** np.arange(POINTS)[:, None, None]
             loads[0.0j] = [loads[0.0j][0] + powers[0], *powers[1:]]
         columns = acting.later(start.time - train.history.begin[interval])
         for rate, terms, count in acting.by_rate:
@@ -182,7 +181,7 @@ class Regime:
             both = zip_longest(loads.get(rate, ()), pushed, fillvalue=0.0)
             loads[rate] = [np.add(first, second) for first, second in both]
         for rate, forces in loads.items():
-            late = time ** np.arange(1, len(forces) + 1)[:, None]
+            late = np.cumprod([time] * len(forces), axis=0)
             answered = answers(root, rate, time, len(forces), decay)
             y += np.einsum("kct,kct,kt->ct", forces, answered, late)
             if number:

@@ -235,9 +235,9 @@ class LoadedModes:
         if len(self.shape):
             polynomial = start.polynomial
             for order in range(min(orders, POINTS)):
-                inputs[self.following, :, order] = polynomial_value(polynomial, time / start.length)
+                inputs[self.following, :, order] = polynomial_value(polynomial, time)
                 power = np.arange(1.0, len(polynomial))[:, None, None]
-                polynomial = power * polynomial[1:] / start.length
+                polynomial = power * polynomial[1:]
         inputs[0, :, 0], inputs[offsets:, :, 0] = 1.0, start.offset
         return inputs
 
@@ -249,15 +249,14 @@ class Start(NamedTuple):
     y: ComplexArray  # (coordinates, columns)
     turned: FloatArray  # (motions that nothing holds, columns) rad
     offset: FloatArray  # (elements, columns) rad
-    # (powers, interfaces, columns) N m of the torques that follow the motion, by the share of a length (columns,) s
+    # (powers, interfaces, columns) N m, N m/s ... of the torques that follow the motion
     polynomial: FloatArray
-    length: FloatArray
     begun: FloatArray  # (rigid motions, columns) rad, from which positions of the step count
 
 
-def polynomial_value(polynomial: np.ndarray, share: FloatArray) -> np.ndarray:
-    """(..., points) of polynomials (powers, ..., points or 1) at shares of their step (points,)."""
-    return np.asarray(polyval(share, polynomial, tensor=False))
+def polynomial_value(polynomial: np.ndarray, point: FloatArray) -> np.ndarray:
+    """(..., points) of polynomials (powers, ..., points or 1) at points (points,)."""
+    return np.asarray(polyval(point, polynomial, tensor=False))
 
 
 def answers(

@@ -130,7 +130,6 @@ class March:
             turned[:, None],
             offset[:, None],
             np.zeros((POINTS, self.number, 1)),
-            np.ones(1),
             self.begun[:, None],
         )
         self.features: FloatArray | None = None
@@ -190,7 +189,7 @@ class March:
         event = self._first_event(time, end - time)
         if event is None:
             reached, function = end, None
-            y, turned = self._coordinates(end - time, end - time)
+            y, turned = self._coordinates(end - time)
         else:
             late, function, y, turned = event
             reached = time + late
@@ -256,14 +255,14 @@ class March:
             if first >= number:
                 break
             times = part * np.arange(first, min(last, number) + 1.0)
-            values = self._samples("events", times, length)
+            values = self._samples("events", times)
             value, rise = values.reshape(2, -1, len(times))
             ahead = np.minimum(value, value + part * rise)[:, :-1] <= 0.0
             below = ahead | (np.minimum(value, value - part * rise)[:, 1:] <= 0.0)
             for number_of_part in np.flatnonzero(below.any(axis=0)).tolist():
                 begin = float(times[number_of_part])
                 functions = np.flatnonzero(below[:, number_of_part]).tolist()
-                root = self._root(begin, length, part, functions)
+                root = self._root(begin, part, functions)
                 if root is not None and (late := begin + root[0] * part) <= length:
                     return late, *root[1:]
             if (looked := first + len(times) - 1) % BLOCK == 0:
@@ -271,7 +270,7 @@ class March:
         return None
 
     def _root(
-        self, late: float, length: float, part: float, functions: list[int]
+        self, late: float, part: float, functions: list[int]
     ) -> tuple[float, int, ComplexArray, FloatArray] | None:
         """The first root of some of the functions within a part that begins so late, in shares of it; coordinates there."""
         regime, start = self.regime, self.start
@@ -281,7 +280,7 @@ class March:
             rows = rows_of(regime, regime.events)
             self.kept["watch",] = rows, np.abs(regime.events), np.abs(rows.by_y)
         rows, sizes, sizes_by_y = self.kept["watch",]
-        y, turned = self._coordinates(late, length)
+        y, turned = self._coordinates(late)
         time = np.array([late])
         inputs = self.train.inputs_at(self.interval, start, time, TERMS + 1)[:, 0]
         pushed = (regime.force @ inputs[:, : TERMS - 1]).T
@@ -309,31 +308,31 @@ class March:
         weight = weight * best[0] ** ORDERS
         return *best, (all_y @ weight)[:, None], (all_turned @ weight)[:, None]
 
-    def _coordinates(self, late: float, length: float) -> tuple[ComplexArray, FloatArray]:
-        """Coordinates and positions of what nothing holds, in a step of a length at a time since its begin (s)."""
+    def _coordinates(self, late: float) -> tuple[ComplexArray, FloatArray]:
+        """Coordinates and positions of what nothing holds, at a time since the begin of a step (s)."""
         time, size = np.array([late]), len(self.start.y)
         if not (self.number or self.modes):  # no time is met again
             return self.regime.coordinates(self.interval, self.start, time)
-        samples = self._samples("coordinates", time, length)
+        samples = self._samples("coordinates", time)
         return samples[:size] + 1j * samples[size : 2 * size], samples[2 * size :]
 
-    def _samples(self, rows: str, times: FloatArray, length: float) -> FloatArray:
+    def _samples(self, rows: str, times: FloatArray) -> FloatArray:
         """(rows, times) of the step that begins, at times since then (s)."""
         if self.features is None:
             from torsion.kernels.motion.sampled_rows import features
 
             self.features = features(self.train, self.interval, self.start)
         begin = np.concatenate([self.features, self.start.polynomial.ravel()])
-        return np.asarray(self._sampled(rows, times, length) @ begin)
+        return np.asarray(self._sampled(rows, times) @ begin)
 
-    def _sampled(self, rows: str, times: FloatArray, length: float) -> FloatArray:
+    def _sampled(self, rows: str, times: FloatArray) -> FloatArray:
         """(rows, times, features) of the present regime, built once."""
-        key = rows, times[0], times[-1], len(times), length if self.number else 0.0
+        key = rows, times[0], times[-1], len(times)
         if key not in self.kept:
             from torsion.kernels.motion.sampled_rows import ROWS, sample
 
             regime, acting = self.regime, self.train.history.acting[self.interval]
-            self._keep(key, sample(regime, acting, ROWS[rows](regime), times, length))
+            self._keep(key, sample(regime, acting, ROWS[rows](regime), times))
         return np.asarray(self.kept[key])
 
     def _keep(self, key: tuple[object, ...], matrix: FloatArray) -> None:
@@ -370,12 +369,13 @@ class March:
     def influence(self, length: float) -> FloatArray:
         """What torques of 1 at the nodes of a step (s) add to torques and a turning, (4, interfaces, ENDS, torques)."""
         if ("influence", length) not in self.kept:
-            sampled = self._sampled("interfaces", length * ENDS, length)
+            sampled = self._sampled("interfaces", length * ENDS)
             number, shape = self.number, (3, self.number, len(ENDS), POINTS, self.number)
             by_powers = sampled[:, :, -POINTS * number :].reshape(shape)
             matrix = np.empty((4, number, len(ENDS), number, POINTS))
             matrix[0] = np.einsum("gf,en->gefn", np.eye(number), BY_NODES)
-            by_series = np.einsum("dgekf,kc->dgefc", by_powers, POWERS)
+            powers = POWERS / length ** np.arange(POINTS)[:, None]
+            by_series = np.einsum("dgekf,kc->dgefc", by_powers, powers)
             matrix[1:] = by_series @ SERIES
             self._keep(("influence", length), matrix.reshape(*matrix.shape[:3], -1))
         return np.asarray(self.kept["influence", length])
@@ -387,7 +387,7 @@ class March:
 
     def going_on(self, time: float, length: float) -> Turning:
         """At the ENDS of a step, with no torques in it."""
-        samples = self._samples("interfaces", length * ENDS, length)
+        samples = self._samples("interfaces", length * ENDS)
         turning = self._turning(time + length * ENDS, samples.reshape(3, self.number, len(ENDS)))
         sizes = np.abs(self.train.shape) @ np.abs(self.speed)
         self.parts = np.abs(turning[1]).max(axis=1, keepdims=True) + sizes[:, None]
@@ -401,6 +401,5 @@ class March:
 
     def under(self, torque: FloatArray, length: float) -> Start:
         """The step that begins, under torques (interfaces, nodes) over a length (s)."""
-        return self.start._replace(
-            polynomial=(POWERS @ (SERIES @ torque.T))[:, :, None], length=np.array([length])
-        )
+        powers = POWERS @ (SERIES @ torque.T) / length ** np.arange(POINTS)[:, None]
+        return self.start._replace(polynomial=powers[:, :, None])

@@ -74,10 +74,8 @@ def features(train: LoadedModes, interval: int, start: Start) -> FloatArray:
     return np.concatenate([*first, *terms])[:, 0]
 
 
-def sample(
-    regime: Regime, acting: Acting, rows: Rows, time: FloatArray, length: float
-) -> FloatArray:
-    """(rows, times, features) at times (s) of a step of a length."""
+def sample(regime: Regime, acting: Acting, rows: Rows, time: FloatArray) -> FloatArray:
+    """(rows, times, features) at times (s) of a step."""
     train, root, number = regime.train, regime.root, regime.free.shape[1]
     decay = np.exp(np.multiply.outer(root, time))
     by_y = rows.by_y[:, None] * decay.T
@@ -112,7 +110,6 @@ def sample(
     by_steady = resting[:, :, 0, np.append(0, every[train.following.stop :])].real
     blocks = [by_y.real, -by_y.imag, by_turned, by_steady, by_terms]
     if len(train.shape):
-        powers = np.arange(POINTS)[:, None]
-        blocks.append(resting[..., train.following].real / length**powers)
+        blocks.append(resting[..., train.following].real)
     blocks = [block.reshape(*by_y.shape[:2], math.prod(block.shape[2:])) for block in blocks]
     return np.concatenate(blocks, axis=2)
