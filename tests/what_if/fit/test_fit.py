@@ -286,6 +286,22 @@ def test_what_is_known_is_what_all_minima_agree_on() -> None:
     assert not apart.is_unidentified
 
 
+def test_one_frequency_and_one_stiffness_have_the_least_squares_of_a_straight_line() -> None:
+    """ln f = ln(k)/2: s = 5 %/(2 * 5 %), shift s r/(1 + s2), residual r/(1 + s2), freedom 1/(1 + s2)."""
+    discs = "train: [disc: {inertia: 2}, coupling: {name: c, stiffness: 8e3}, disc: {inertia: 2}]"
+    text = f"name: two\n{discs}\nanalyses:\n  modes: {{count: 1}}\n  fit:\n"
+    hertz = float(np.sqrt(8e3) * np.exp(-0.3125) / (2.0 * np.pi))
+    one = fit(chain("{c.stiffness: 5 %}", by_frequency(hertz, "5 %", 1), text=text))
+    s2, r = 0.25, -6.25
+    (figure,) = one.figures
+    assert figure.shift == pytest.approx(0.5 * r / (1.0 + s2), rel=1e-8)
+    assert figure.deviation == pytest.approx(0.05 / np.sqrt(1.0 + s2), rel=1e-8)
+    assert one.chi2 == pytest.approx((r / (1.0 + s2)) ** 2, rel=1e-8)
+    assert one.freedom == pytest.approx(1.0 / (1.0 + s2), rel=1e-8)
+    assert one.reduced == pytest.approx(r**2 / (1.0 + s2), rel=1e-8)
+    assert any("c.stiffness moved by -2.5 of its deviations" in words for words in one.warnings)
+
+
 def test_what_was_measured_is_of_the_file_and_of_none_of_its_cases() -> None:
     settings = of_curve(f"[{GOOD}]", "at: p, quantity: angle")
     whole = found(DRIVEN.replace("FIT", settings) + "cases:\n  short: {remove: [s, p]}\n")

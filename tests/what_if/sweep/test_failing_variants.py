@@ -62,6 +62,21 @@ def test_variants_that_fail_make_the_exit_status_one_unless_the_file_permits_the
     assert ("25 % of the variants fail" in conclusion.text) == (status == 1)
 
 
+def test_a_variant_without_an_answer_counts_as_one_that_fails_every_check() -> None:
+    """The table ends at 1 kN m; 140 kW at 1200 rpm are 1.11 kN m, far within the limit of 2 kN m."""
+    law = "table: {over: mean torque, at: [0, 1000], stiffness: [20e3, 30e3]}, rated_torque: 2 kN*m"
+    text = SCENE.replace("stiffness: 1000", law).replace("RULES", "rules: [coupling-maker]")
+    text = text.replace(
+        "speeds: {from: 1000 rpm, to: 1200 rpm}", "rated: {speed: 1500 rpm, power: 50 kW}"
+    )
+    vary = "operation.rated.power: {values: [50 kW, 140 kW]}, operation.rated.speed: {values: [1500 rpm, 1200 rpm]}"
+    text = text.replace("rubber.stiffness: {values: [LIST]}", vary).replace("MORE", "")
+    found = torsion.run(torsion.parse(text)).need(Sweep)
+    assert found.unsolved == 1
+    assert [(check.failing, check.probability) for check in found.checks] == [(1, 0.25)]
+    assert found.share_failing == 0.25
+
+
 def test_a_share_that_nothing_can_fail_is_refused() -> None:
     with pytest.raises(InputError, match="no variant can fail") as refused:
         run("900, 1100", ", fail_at_most: 1 %", "")

@@ -139,6 +139,37 @@ def test_where_a_share_without_bound_reaches_its_limit_is_not_known() -> None:
     assert (turn.kept, turn.failing, turn.between) == (140.0, 160.0, None)
 
 
+def test_the_worst_of_two_checks_is_that_of_the_weaker_coupling_and_unknown_without_any() -> None:
+    """The mean torque over 1 kN m and over 0.8 kN m; of the second variant neither is known, of the third one."""
+    second = (
+        "  - coupling: {stiffness: 30 kN*m/rad, rated_torque: 0.8 kN*m}\n  - disc: {inertia: 1}\n"
+    )
+    vary = "vary: {operation.rated.power: {from: 50 kW, to: 200 kW, steps: 4}}"
+    text = (TWO % ("", vary)).replace("analyses:", f"{second}analyses:")
+    study = torsion.parse(text + "rules: [coupling-maker]\n")
+    found = torsion.run(study).need(Sweep)
+    torque = np.linspace(50e3, 200e3, 4) / (1500.0 * pi / 30.0)
+    assert found.any_fails is not None
+    assert found.any_fails.utilisation == pytest.approx(torque / 800.0, rel=1e-12)
+    middle = float(np.median(torque)) / 800.0
+    whole = found.any_fails.best, found.any_fails.median, found.any_fails.worst
+    assert whole == pytest.approx((torque[0] / 800.0, middle, torque[-1] / 800.0), rel=1e-12)
+
+    weak, strong = found.checks
+    known = np.array([True, False, True, True])
+    checks = [
+        replace(strong, utilisation=np.where(known, strong.utilisation, np.nan)),
+        replace(weak, utilisation=np.where([True, False, False, True], weak.utilisation, np.nan)),
+    ]
+    variation = study.variations["sweep"]
+    points = Points.from_settings(study, study.analyses["sweep"], variation.figures)
+    grid = grid_of(variation, points, checks, found.frequency, {})
+    assert grid is not None
+    assert grid.decisive.tolist() == [1, -1, 0, 1]
+    expected = [torque[0] / 800.0, np.nan, torque[2] / 1000.0, torque[3] / 800.0]
+    assert grid.greatest == pytest.approx(expected, rel=1e-12, nan_ok=True)
+
+
 def test_a_curve_says_on_the_first_page_where_variants_fail() -> None:
     lines = dict(verdict.box(solved("coupling_curve")).lines)
     assert lines["Sweep"].startswith(
