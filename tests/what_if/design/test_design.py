@@ -128,6 +128,25 @@ def test_a_robust_choice_keeps_a_condition_in_every_sample_of_a_case() -> None:
     )
 
 
+def test_a_limit_to_be_verified_has_no_margin_but_rules_out_what_exceeds_it() -> None:
+    """16000 s-2 are 20.1 Hz, once 1200 rpm to 1 %; the margin is that of the mean torque of 50 kW alone."""
+    found = designed(
+        """name: two discs
+operation: {speeds: {from: 1000 rpm, to: 1200 rpm}, rated: {speed: 1200 rpm, power: 50 kW}}
+train:
+  - disc: {inertia: 1}
+  - coupling: {name: rubber, stiffness: 1000, rated_torque: 1 kN*m}
+  - disc: {inertia: 1}
+rules: [api-684, coupling-maker]
+analyses: {modes: {count: 1}, design: {choose: {rubber.stiffness: {values: [1000, 8000]}}, aim: margin}}
+"""
+    )
+    assert found.uncounted == ("train: separation, api-684",)
+    assert found.aims == pytest.approx(2 * [log(1000.0 * 40.0 * pi / 50e3)], rel=1e-12)
+    assert found.allowed.tolist() == [True, False]
+    assert [candidate.is_allowed for candidate in found.best] == [True, False]
+
+
 def largest_first_frequency() -> float:
     """By enumeration, Hz: of all inertias, on a grid of both stiffnesses, where mode 2 is below 65 Hz."""
     best = 0.0

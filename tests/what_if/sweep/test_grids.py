@@ -104,6 +104,13 @@ def test_a_map_is_the_closed_form_with_the_last_figure_first() -> None:
     assert not grid.axes[0].is_numeric
 
 
+def test_a_range_in_steps_that_binary_numbers_miss_has_its_last_value() -> None:
+    """(0.5 - 0.2)/0.1 is 2.9999999999999996 in double precision."""
+    grid = gridded(swept("vary: {disc-2.inertia: {from: 0.2, to: 0.5, step: 0.1}}"))
+    assert grid.axes[0].number == pytest.approx([0.2, 0.3, 0.4, 0.5], rel=1e-15)
+    assert grid.frequency[0] == pytest.approx(exact(20e3, [0.2, 0.3, 0.4, 0.5]), rel=1e-14)
+
+
 def test_a_list_has_the_digits_of_the_reference() -> None:
     grid = gridded(torsion.run(torsion.parse(FOUR)).need(Sweep))
     assert grid.frequency == pytest.approx(np.array(LISTED), rel=1e-14)

@@ -358,6 +358,7 @@ def test_an_inertia_with_a_tolerance_varies_with_its_water(water: str, keys: lis
         ("vary: {coupling-1.stiffness: {}}", "6:68", "is missing (a law, a list, a range"),
         ("vary: {coupling-1.stiffness: {uniform: 5 %, normal: 2 %}}", "6:91", "exclude each other"),
         ("vary: {coupling-1.stiffness: {normal: 5 %, within: 4 %}}", "6:90", "`within`"),
+        ("vary: {coupling-1.stiffness: {normal: 5 %, within: 5 %}}", "6:90", "`within`"),
         ("vary: {coupling-1.stiffness: {uniform: 120 %}}", "6:78", "out of range"),
         ('vary: {"*.mass": {uniform: 5 %}}', "6:46", "no component has a key `mass`"),
         (
