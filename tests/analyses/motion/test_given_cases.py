@@ -232,7 +232,7 @@ def test_samples_that_need_too_much_memory_are_refused() -> None:
         "samples": 100_000,
         "events": [{"at": "d1", "step": {"torque": 1.0}}],
     }
-    with pytest.raises(SolveError, match=r"all samples need 0\.0024 GB of memory"):
+    with pytest.raises(SolveError, match=r"all samples need 0\.004 GB of memory"):
         transient(
             study, assemble(study.train, model="lumped"), TransientSettings.model_validate(body)
         )

@@ -63,6 +63,7 @@ def test_times_at_equal_angles_of_a_vibrating_shaft_that_speeds_up_from_rest() -
     time = np.linspace(0.0, 5.0, 200)  # coarse: two and a half samples to a period of the vibration
     angle = turned(time)[0]
     wanted = np.linspace(angle[0], angle[-1], 3000)
-    found = times_at(wanted, time, angle, turned)
+    found, speed = times_at(wanted, time, angle, turned)
     assert np.abs(turned(found)[0] - wanted).max() < 1e-12 * angle[-1]
+    assert speed == pytest.approx(turned(found)[1], rel=1e-15)
     assert (np.diff(found) > 0.0).all()

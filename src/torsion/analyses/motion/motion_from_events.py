@@ -106,7 +106,8 @@ def _linear(
     elif modes is None:
         modes = kept_modes(system, settings.modes, path)
     kept, twice = modes
-    needed = 8.0 * (len(system.spans) + len(system.stations)) * len(sample_times(settings, kept))
+    needed = 8.0 * (len(system.spans) + 2 * len(system.stations))
+    needed *= len(sample_times(settings, kept))
     if needed > study.memory:
         message = f"all samples need {needed / 1e9:.2g} GB of memory, more than {study.memory / 1e9:.2g} GB"
         raise SolveError(message, "fewer `samples`, or run with more `memory`", (*path, "samples"))
@@ -156,7 +157,8 @@ def _modal_motion(
 
         if (requested := orders_requested(study, system, loaded, seen)) is not None:
             size = max(loaded.shape.shape[1], len(system.spans))
-            added["orders"] = order_tracking(curves, requested, seen.time, size)
+            sampled = seen.time, seen.angle[requested.station], seen.turning[requested.station]
+            added["orders"] = order_tracking(curves, requested, sampled, size)
     highest = max(float(loaded.w.max(initial=0.0)), *(wave.w for wave in curves.waves))
     residual = energy_balance(moved).residual
     return _result(system, curves, seen, residual, marched, fastest=highest, **added)

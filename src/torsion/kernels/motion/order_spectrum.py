@@ -60,8 +60,10 @@ def times_at(
     time: FloatArray,
     sampled: FloatArray,
     turned: Callable[[FloatArray], tuple[FloatArray, FloatArray]],
-) -> FloatArray:
-    """(angles,) s at which a rising angle has values that ascend: Newton's method, halving where it leaves its bracket.
+) -> tuple[FloatArray, FloatArray]:
+    """Times (s) at which a rising angle has values that ascend, and speeds there: both (angles,).
+
+    By Newton's method, halving where it leaves its bracket.
 
     time, sampled: samples of the angle, which rise. turned: angle and speed at times that ascend.
     """
@@ -80,4 +82,4 @@ def times_at(
         better = times - step
         inside = (better >= low) & (better <= high)
         times = np.maximum.accumulate(np.where(inside, better, (low + high) / 2.0))
-    return times
+    return times, speed

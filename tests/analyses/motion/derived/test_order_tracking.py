@@ -13,7 +13,7 @@ from torsion.analyses.motion.derived.order_tracking import (
     order_tracking,
     windows,
 )
-from torsion.analyses.motion.transient_motion import Transients
+from torsion.analyses.motion.transient_motion import OrderTracking, Transients
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.response.over_speed import response
 from torsion.arrays import FloatArray
@@ -34,6 +34,9 @@ class Given:
         speed = self.speed + self.gain * time + 0.9 * np.cos(90.0 * time)
         return self.sense * angle, self.sense * speed
 
+    def orders(self) -> OrderTracking:
+        return order_tracking(self, WHAT, (TIME, *self.turned(0, TIME)), 2)
+
     def torque(self, time: FloatArray) -> tuple[FloatArray, FloatArray, None]:
         angle = self.sense * self.turned(0, time)[0]
         value = 40.0 + 12.0 * np.cos(2.0 * angle + 0.7) + 3.0 * np.cos(4.5 * angle - 1.0)
@@ -49,7 +52,7 @@ WHAT = Tracked("shaft", 0, np.array([2.0, 4.5]), 12.0, (("coupling", 1),))
 def test_orders_of_a_torque_are_its_own_however_the_shaft_speeds_up_and_vibrates(
     sense: float,
 ) -> None:
-    found = order_tracking(Given(30.0, 25.0, sense=sense), WHAT, TIME, 2)
+    found = Given(30.0, 25.0, sense=sense).orders()
     assert found.turns == pytest.approx(
         (30.0 * 6.0 + 25.0 * 18.0 + 0.01 * np.sin(540.0)) / (2.0 * np.pi)
     )
@@ -72,11 +75,9 @@ def test_orders_of_a_torque_are_its_own_however_the_shaft_speeds_up_and_vibrates
 def test_what_is_faster_than_the_samples_is_left_out_and_counted(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    assert (
-        order_tracking(Given(30.0, 25.0, hum=5.0), WHAT, TIME, 2).left_out == 0
-    )  # finer samples resolve it
+    assert Given(30.0, 25.0, hum=5.0).orders().left_out == 0  # finer samples resolve it
     monkeypatch.setattr("torsion.analyses.motion.derived.order_tracking.MOST_POINTS", 1)
-    found = order_tracking(Given(30.0, 25.0, hum=5.0), WHAT, TIME, 2)
+    found = Given(30.0, 25.0, hum=5.0).orders()
     assert found.left_out > 0
     assert found.aliased <= 0.01
 

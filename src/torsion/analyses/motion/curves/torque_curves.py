@@ -113,15 +113,18 @@ class Curves:
             rate = rate + product(before.amplitude.T, growing).real
         return torque, rate, (moved.position, moved.speed)
 
-    def turning(self, time: FloatArray, position: FloatArray, speed: FloatArray) -> FloatArray:
-        """(stations, times) rad/s from positions and speeds of the motions."""
+    def turning(
+        self, time: FloatArray, position: FloatArray, speed: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Angles (rad; of stations with inertia) and speeds (both, stations, times) from those of the motions."""
         loaded = self.loaded
         angle, turning, _ = loaded.carrier.at(time)
+        angle += loaded.shape @ position
         turning += loaded.shape @ speed
         for cut in loaded.cuts:
             if cut.massless:
-                cut.fill_speeds(loaded.system, angle + loaded.shape @ position, turning)
-        return np.asarray(turning)
+                cut.fill_speeds(loaded.system, angle, turning)
+        return angle, turning
 
     def unseen(self, fast: float) -> FloatArray:
         """(spans,) N m that torques as fast as `fast` (rad/s) and faster shake at most, without what dies away."""
@@ -173,6 +176,7 @@ class Seen:
 
     time: FloatArray  # (samples,) s
     torque: FloatArray  # (spans, samples)
+    angle: FloatArray  # (stations, samples) rad; of stations with inertia
     turning: FloatArray  # (stations, samples)
     # greatest torques (spans,) and when; those of the negative
     ends: tuple[tuple[FloatArray, FloatArray], ...]
@@ -199,7 +203,7 @@ def look_at(curves: Curves, progress: Progress, *, counts: bool) -> Seen:
     chosen, finer = _choose_times(curves, time, counts=counts)
     spans, (stations, motions) = len(loaded.slowed), loaded.shape.shape
     times, sample = chosen.time, chosen.sample
-    torque, turning = np.empty((spans, len(sample))), np.empty((stations, len(sample)))
+    torque, turned = np.empty((spans, len(sample))), np.empty((2, stations, len(sample)))
     # The error of a cubic of values and rates.
     near = min(max(SAFETY * chosen.turn**4 / 384.0, LEAST_NEAR), MOST_NEAR)
     extremes = [Extremes(near, np.full(spans, -np.inf)) for _ in range(2)]
@@ -222,7 +226,7 @@ def look_at(curves: Curves, progress: Progress, *, counts: bool) -> Seen:
         columns = slice(*np.searchsorted(sample, (part.start, part.stop)))
         inside = sample[columns] - part.start
         torque[:, columns] = values[:, inside]
-        turning[:, columns] = curves.turning(block[inside], *(rows[:, inside] for rows in moved))
+        turned[:, :, columns] = curves.turning(block[inside], *(rows[:, inside] for rows in moved))
         progress("motion over time", part.stop / len(times))
 
     ends = []
@@ -247,7 +251,7 @@ def look_at(curves: Curves, progress: Progress, *, counts: bool) -> Seen:
     edges = np.searchsorted(span[order], np.arange(1, spans))
     lacking = curves.missed(time, finer) + curves.unseen(chosen.left)
     by_span = tuple(np.split(value[order], edges)) if spans else ()
-    return Seen(time, torque, turning, tuple(ends), by_span, lacking, chosen.left)
+    return Seen(time, torque, *turned, tuple(ends), by_span, lacking, chosen.left)
 
 
 def _choose_times(curves: Curves, time: FloatArray, *, counts: bool) -> tuple[Looked, int]:

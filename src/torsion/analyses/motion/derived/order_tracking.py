@@ -104,9 +104,11 @@ def _exciting_orders(study: Study, system: System, settings: TransientSettings) 
     return np.array(sorted(orders))
 
 
-def order_tracking(curves: Curves, tracked: Tracked, time: FloatArray, size: int) -> OrderTracking:
-    """The orders of a motion with samples at some times; size: values of the motion at one time."""
-    angle, speed = _blocks(lambda part: curves.turned(tracked.station, part), time, size)
+def order_tracking(
+    curves: Curves, tracked: Tracked, sampled: Sequence[FloatArray], size: int
+) -> OrderTracking:
+    """The orders of a motion; sampled: times, angle and speed of its reference; size: values of the motion at one time."""
+    time, angle, speed = sampled
     piece, sense = one_sense(angle, speed)
     time, angle = time[piece], sense * angle[piece]
     turns = abs(float(angle[-1] - angle[0])) / (2.0 * np.pi)
@@ -124,7 +126,7 @@ def order_tracking(curves: Curves, tracked: Tracked, time: FloatArray, size: int
     samples = 2 ** math.ceil(math.log2(PER_ORDER * tracked.highest))
     while True:
         count, step = int(turns * samples), 2.0 * np.pi / samples
-        times = times_at(begin + np.arange(count) * step, time, angle, turned)
+        times, speed = times_at(begin + np.arange(count) * step, time, angle, turned)
         (torque,) = _blocks(lambda part: (curves.torque(part)[0][spans],), times, size)
         first = windows(count, samples)
         within, start = first[:, None] + np.arange(TURNS * samples), begin + first * step
@@ -149,7 +151,7 @@ def order_tracking(curves: Curves, tracked: Tracked, time: FloatArray, size: int
         )
         for (name, _), values, waterfall in zip(tracked.spans, torque, waterfalls, strict=True)
     )
-    mean = turned(times)[1][within] @ hann(TURNS * samples) / (TURNS * samples)
+    mean = speed[within] @ hann(TURNS * samples) / (TURNS * samples)
     return OrderTracking(
         tracked.name,
         turns,
