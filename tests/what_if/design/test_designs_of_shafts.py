@@ -5,6 +5,7 @@ import math
 import pytest
 
 import torsion
+from torsion.what_if.design.candidates import shaft_mass
 from torsion.what_if.design.design_results import Design
 
 SHEAR, DENSITY, FIRST, SECOND = 79.3e9, 7850.0, 1.0, 2.0
@@ -59,3 +60,19 @@ def test_a_design_over_segments_ends_with_a_choice_at_its_frequency(
     wanted = float(aim.split()[-1])
     assert design.best[0].frequency == pytest.approx(wanted, rel=1e-6)
     assert lack(0.999 * wanted, **sizes) * lack(1.001 * wanted, **sizes) < 0.0
+
+
+def test_mass_of_conical_shafts_is_that_of_the_cones_cut_from_each_other() -> None:
+    """A bore of 40 mm in a frustum of 100 to 60 mm: whole cone less its tip, less a cylinder."""
+    text = f"""name: x
+train:
+- disc: {{inertia: 1}}
+- shaft: {{length: 0.8 m, diameter: [100 mm, 60 mm], bore: 40 mm, material: s}}
+- shaft: {{length: 0.3 m, diameter: 60 mm, bore: [0, 30 mm], material: s}}
+- disc: {{inertia: 1}}
+materials: {{s: {{shear_modulus: 79.3 GPa, density: {DENSITY}}}}}
+"""
+    cone = math.pi / 4.0 * (0.1**2 * 2.0 - 0.06**2 * 1.2) / 3.0  # its tip lies at 2 m
+    volume = cone - math.pi / 4.0 * 0.04**2 * 0.8
+    volume += math.pi / 4.0 * (0.06**2 * 0.3 - 0.03**2 * 0.3 / 3.0)
+    assert shaft_mass(torsion.parse(text).train) == pytest.approx(DENSITY * volume, rel=1e-13)

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 from itertools import product
-from math import log
+from math import log, pi
 from pathlib import Path
 
 import numpy as np
@@ -212,3 +212,47 @@ def test_a_case_without_rules_has_no_limit_that_counts() -> None:
     )
     assert [one.margin for one in found.best] == [one.margin for one in alone.best]
     assert found.best[0].worst_at == ""
+
+
+def test_the_margin_before_is_that_of_the_worst_case_as_the_margin_of_a_choice_is() -> None:
+    """50 kW, and 80 and 20 kW in cases, at 1200 rpm, on a coupling of 1 kN m and on choices of it."""
+    powers = (
+        f"{name}: {{set: {{operation.rated.power: {size} kW}}}}"
+        for name, size in (("more", 80), ("less", 20))
+    )
+    found = torsion.run(
+        torsion.parse(
+            f"""name: two discs
+operation: {{rated: {{speed: 1200 rpm, power: 50 kW}}}}
+train:
+  - disc: {{inertia: 1}}
+  - coupling: {{name: rubber, stiffness: 1000, rated_torque: 1 kN*m}}
+  - disc: {{inertia: 1}}
+rules: [coupling-maker]
+analyses: {{modes: {{count: 1}}, design: {{choose: {{rubber.rated_torque: {{values: [0.7 kN*m, 2 kN*m]}}}}, aim: margin}}}}
+cases: {{{", ".join(powers)}}}
+"""
+        )
+    ).need(Design)
+    of_case = log(40.0 * pi / 80.0)  # ln of 1 kN m over the mean torque
+    assert found.before == pytest.approx(of_case, rel=1e-12)
+    expected = of_case + np.log([0.7, 2.0])
+    assert found.aims == pytest.approx(expected, rel=1e-12)
+    assert [candidate.worst_at for candidate in found.best] == 2 * ["case more"]
+
+
+def test_of_couplings_with_equal_margins_the_cheapest_alone_is_on_the_front(tmp_path: Path) -> None:
+    rows = "name,rated_torque [kN*m],cost\ndear,1,12\ncheap,1,10\nstrong,2,15\nweak,0.8,11\n"
+    (tmp_path / "k.csv").write_text(rows)
+    scene = """name: two discs
+operation: {rated: {speed: 1200 rpm, power: 50 kW}}
+train:
+  - disc: {inertia: 1}
+  - coupling: {name: rubber, stiffness: 1000, rated_torque: 1 kN*m}
+  - disc: {inertia: 1}
+rules: [coupling-maker]
+analyses: {modes: {count: 1}, design: {choose: {rubber: {catalogue: k.csv}}, aim: margin, against: cost}}
+"""
+    found = designed(scene, tmp_path)
+    assert found.front_amount.tolist() == [10.0, 15.0]
+    assert found.front_margin == pytest.approx(np.log([0.8 * pi, 1.6 * pi]), rel=1e-12)

@@ -77,6 +77,20 @@ def test_a_variant_without_an_answer_counts_as_one_that_fails_every_check() -> N
     assert found.share_failing == 0.25
 
 
+@pytest.mark.parametrize("power", [10, 200])
+def test_the_least_and_the_greatest_of_a_long_list_are_read_before_the_sweep(power: int) -> None:
+    """Of 150 values a hundred are, not the third; the table covers 100 N m to 1 kN m, 15.7 to 157 kW at 1500 rpm."""
+    law = "table: {over: mean torque, at: [100, 1000], stiffness: [20e3, 30e3]}"
+    text = SCENE.replace("stiffness: 1000", law).replace("RULES\n", "").replace("MORE", "")
+    text = text.replace(
+        "speeds: {from: 1000 rpm, to: 1200 rpm}", "rated: {speed: 1500 rpm, power: 50 kW}"
+    )
+    powers = [f"{power if k == 2 else 50 + 0.5 * k} kW" for k in range(150)]
+    vary = f"operation.rated.power: {{values: [{', '.join(powers)}]}}"
+    with pytest.raises(InputError, match=rf"operation\.rated\.power {power} kW: the table of"):
+        torsion.parse(text.replace("rubber.stiffness: {values: [LIST]}", vary))
+
+
 def test_a_share_that_nothing_can_fail_is_refused() -> None:
     with pytest.raises(InputError, match="no variant can fail") as refused:
         run("900, 1100", ", fail_at_most: 1 %", "")

@@ -387,6 +387,14 @@ def test_indices_of_a_sweep_are_the_closed_form_within_their_intervals() -> None
             "8:84",
             "already",
         ),
+        (
+            (
+                "vary: {coupling-1.stiffness: {uniform: 5 %}, disc-2.inertia: {uniform: 6 %}}, "
+                "together: [[coupling-1.stiffness, disc-2.inertia]]"
+            ),
+            "8:128",
+            "vary as one",
+        ),
         ("vary: {coupling-1.stiffness: {triangular: [0.9, 0.8, 1]}}", "8:81", "do not rise"),
         ("vary: {coupling-1.rated_torque: {values: [1 kN*m, 1 m]}}", "8:46", "a torque"),
         ("vary: {coupling-1.inertia: {uniform: 5 %}}", "8:46", "coupling-1.inertia.1"),
