@@ -11,7 +11,7 @@ from itertools import product
 import numpy as np
 
 from torsion.analyses.stability.mechanism import Layout, error, gathered
-from torsion.analyses.stability.straight_modes import at_bodies, at_coordinates
+from torsion.analyses.stability.straight_modes import at_coordinates
 from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.kernels.periodic.harmonic_balance import Linearised, Motion
 from torsion.kernels.periodic.hill import Couplings, toeplitz
@@ -118,8 +118,7 @@ def state(
         - torques(loading, turned, load)
     )
     force = spring_torques(layout, where.deviation, slip, motion.speed[layout.free :])
-    np.add.at(residual, layout.driving, force)
-    np.subtract.at(residual, layout.driven, force)
+    residual += layout.incidence @ force
     return State(where, rate, gain, slip, acceleration, residual)
 
 
@@ -166,7 +165,9 @@ def equations(
     twist = motion.deviation[free:]
     number, times = twist.shape
     size = layout.dampers.size[:number, None]
-    missing = size * loading.w0 * (twist - (at_bodies(layout) @ moving.turning.deviation)[:number])
+    missing = (
+        size * loading.w0 * (twist - (layout.damper_twist @ moving.turning.deviation)[:number])
+    )
     residual = np.concatenate([gathered(layout, first * moving.residual), missing])
 
     def derivatives() -> Linearised:

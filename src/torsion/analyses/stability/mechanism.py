@@ -6,6 +6,8 @@ of the body in front of the joints (or of the fixed body among them, whose motio
 
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -104,12 +106,29 @@ class Layout:
     ]  # coordinates that springs join to each other and to nothing fixed
     orders: tuple[Fraction, ...]  # of the joints, per turn of the reference station, ascending
 
+    @cached_property
+    def incidence(self) -> Any:
+        """Sparse matrix (bodies, springs): 1 on the driving body of a spring, -1 on the driven one."""
+        from scipy.sparse import csr_matrix
+
+        springs = np.arange(len(self.driving))
+        places = np.append(self.driving, self.driven), np.append(springs, springs)
+        signs = np.repeat([1.0, -1.0], len(springs))
+        return csr_matrix((signs, places), shape=(len(self.inertia), len(springs)))
+
+    @cached_property
+    def damper_twist(self) -> FloatArray:
+        """(dampers, bodies): the twist of each damper is the sum over the bodies of it times their angles."""
+        return np.asarray(self.incidence @ self.dampers.onto).T
+
 
 def gathered(layout: Layout, onto: FloatArray) -> FloatArray:
     """Return (free, ...) on the free coordinates from what acts on the bodies (bodies, ...)."""
-    out = np.zeros((len(layout.root), *onto.shape[1:]))
-    np.add.at(out, layout.coordinate, onto)
-    return out[: layout.free]
+    out = onto[layout.root[: layout.free]]
+    for step in layout.steps:  # every body that is no root stands behind one joint
+        if (coordinate := layout.coordinate[step.outer]) < layout.free:
+            out[coordinate] += onto[step.outer]
+    return out
 
 
 def layout(system: System) -> Layout:

@@ -18,7 +18,6 @@ from torsion.analyses.stability.equations_of_motion import (
     turning,
 )
 from torsion.analyses.stability.mechanism_loads import Operating, Scene, operating, rigid_deviation
-from torsion.analyses.stability.straight_modes import at_bodies
 from torsion.arrays import BoolArray, ComplexArray, FloatArray
 from torsion.errors import SolveError
 from torsion.kernels.periodic.harmonic_balance import (
@@ -217,7 +216,7 @@ def _solve(
         moving = turning(
             mechanism.layout, deviation, mean_angle(operation.loading, deviation.shape[1])
         )
-        twist = at_bodies(mechanism.layout) @ moving.deviation
+        twist = mechanism.layout.damper_twist @ moving.deviation
         harmonic = np.concatenate([harmonic, harmonics_of(twist, count)])
     at_speed = partial(equations, mechanism.layout, operation.loading)
     steady = operation.loading.steady

@@ -136,17 +136,9 @@ def viscous(layout: Layout, shapes: Basis) -> Layout:
     )
 
 
-def at_bodies(layout: Layout) -> FloatArray:
-    """Return (dampers, bodies): twist of each damper = sum over the bodies times their angles."""
-    out = np.zeros((len(layout.inertia), layout.dampers.onto.shape[1]))
-    np.add.at(out, layout.driving, layout.dampers.onto)
-    np.subtract.at(out, layout.driven, layout.dampers.onto)
-    return out.T
-
-
 def at_coordinates(layout: Layout, slope: FloatArray) -> FloatArray:
     """Return (times, dampers, free): twist of each damper over the free coordinates.
 
     slope: (bodies, times), that of each body over its coordinate.
     """
-    return gathered(layout, at_bodies(layout).T[:, :, None] * slope[:, None]).transpose(2, 1, 0)
+    return gathered(layout, layout.damper_twist.T[:, :, None] * slope[:, None]).transpose(2, 1, 0)

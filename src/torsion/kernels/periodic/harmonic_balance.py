@@ -235,18 +235,15 @@ def _truncation(linear: Linearised, harmonic: ComplexArray, w0: float, count: in
     w = w0 * np.arange(count + 1, count + 1 + spectrum.shape[1])
     is_diagonal = linear.entries.row == linear.entries.column
     entries = linear.entries
-    parts = np.array([entries.mass, entries.damping, entries.stiffness])
-    sums = np.zeros((3, size))
-    np.add.at(sums.T, entries.row[is_diagonal], parts[:, is_diagonal].mean(axis=2).T)
-    mass, damping, stiffness = sums
+    mass, damping, stiffness = (
+        np.bincount(entries.row[is_diagonal], part[is_diagonal].mean(axis=1), size)
+        for part in (entries.mass, entries.damping, entries.stiffness)
+    )
     alone = np.abs(stiffness[:, None] - w**2 * mass[:, None] + 1j * w * damping[:, None])
     floor = np.maximum(alone, w**2 * mass[:, None] + 1e-3 * np.abs(stiffness)[:, None])
-    noise = np.zeros(size)  # rounding of the forces that each residual is the sum of
-    acts = (
-        np.abs(linear.entries.stiffness).max(axis=1)
-        * np.abs(harmonic).sum(axis=1)[linear.entries.column]
-    )
-    np.add.at(noise, linear.entries.row, ROUNDING * acts)
+    # Rounding of the forces that each residual is the sum of.
+    acts = np.abs(entries.stiffness).max(axis=1) * np.abs(harmonic).sum(axis=1)[entries.column]
+    noise = np.bincount(entries.row, ROUNDING * acts, size)
     missed = (np.maximum(np.abs(spectrum) - noise[:, None], 0.0) / floor).max(initial=0.0)
     amplitude = _amplitude(harmonic)
     return float(missed / amplitude) if amplitude > 0 else 0.0
