@@ -6,6 +6,7 @@ import shutil
 from dataclasses import replace
 from hashlib import sha256
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -72,7 +73,7 @@ def short(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sweep_run, "FREQUENCIES_AT_ONCE", 16)
 
 
-def by(folder: Path, text: str = PLAIN % MODES, **more: bool) -> tuple[Sweep, Sweeper]:
+def by(folder: Path, text: str = PLAIN % MODES, **more: Any) -> tuple[Sweep, Sweeper]:
     taken = Sweeper(folder, **more)
     return torsion.run(torsion.parse(text), answered=taken).need(Sweep), taken
 
@@ -357,6 +358,16 @@ def test_a_worker_judges_as_this_process_does() -> None:
         used, fails = answers.checks[check.rule, check.clause, check.where, check.what]
         assert np.array_equal(used, check.utilisation[chunk.begin : chunk.end], equal_nan=True)
         assert np.array_equal(fails, check.fails[chunk.begin : chunk.end])
+
+
+def test_workers_of_a_scheduler_answer_as_this_process_does(tmp_path: Path, short: None) -> None:
+    distributed = pytest.importorskip("distributed", reason="a scheduler needs dask")
+    with distributed.LocalCluster(
+        n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None
+    ) as local:
+        found, taken = by(tmp_path, workplace=Workplace(None, local.scheduler_address))
+    assert taken.solved == 8
+    same(found, torsion.run(torsion.parse(PLAIN % MODES)).need(Sweep))
 
 
 def test_errors_come_whole_from_another_process() -> None:
