@@ -1,5 +1,6 @@
 """What all tests of a run share."""
 
+import gc
 import os
 import shutil
 import tempfile
@@ -9,6 +10,7 @@ from tests.shared import SHARED
 
 # Before numpy is imported: threads of two workers that spin take up to ten times the time.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+gc.disable()  # until all tests are collected: modules and tests stay, and each search of them is in vain
 LONGEST = {"test_site.py", "test_slow_scenes.py"}
 
 
@@ -21,6 +23,12 @@ def pytest_configure(config: pytest.Config) -> None:
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Begin with what takes longest: at the end one worker would wait for the other."""
     items.sort(key=lambda item: item.path.name not in LONGEST)
+
+
+def pytest_collection_finish() -> None:
+    """Leave what was collected out of every later search for garbage."""
+    gc.freeze()
+    gc.enable()
 
 
 def pytest_unconfigure(config: pytest.Config) -> None:
