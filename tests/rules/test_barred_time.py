@@ -78,6 +78,24 @@ def test_a_motion_that_ends_within_the_range_does_not_pass_it() -> None:
     assert "ends within the range" in line.note
 
 
+def test_of_several_resonances_in_a_range_the_largest_share_counts() -> None:
+    found, line = run(900.0)
+    transients = found.results["transient"]
+    (motion,) = transients.each
+    (barred,) = line.barred
+    passage = next(
+        part for part in motion.passages if barred.lower < abs(part.speed) < barred.upper
+    )
+    shares = {0.5: 0.97, 0.2: 0.3, 1.2: 1.0}  # by place in the range; the last lies beyond it
+    places = (
+        replace(passage, speed=barred.lower + at * (barred.upper - barred.lower), share=share)
+        for at, share in shares.items()
+    )
+    several = replace(transients, each=(replace(motion, passages=tuple(places)),))
+    (time,) = barred_times(found.having(transient=several), line.barred)
+    assert time.share == 0.97
+
+
 @pytest.mark.parametrize("last", [480.0, 900.0])
 def test_a_train_that_turns_backward_stays_as_long_in_a_range(last: float) -> None:
     found, line = run(last)

@@ -204,6 +204,26 @@ def test_gears_make_shafts_of_other_speeds(study, evidence) -> None:
     }
 
 
+def test_the_speed_of_a_shaft_wants_its_ten_percent_though_it_is_three_times_another(
+    study, evidence
+) -> None:
+    """API 618 has 5 % for multiples; the shaft between two gears has the name of what stands on it, not of a gear."""
+    line = [
+        *discs(500.0),
+        ("gear", {"name": "up", "ratio": "1/3"}),
+        ("coupling", {"name": "between", "stiffness": 1e6}),
+        ("gear", {"name": "down", "ratio": 5}),
+        ("disc", {"name": "slow", "inertia": 1.0}),
+    ]
+    scene = study(line, [("api-618", settings("api-618")(line_frequency="none"))], speeds=SPEEDS)
+    checks = verdicts(evidence(scene, np.array([1000.0, 1200.0]), half={}))
+    rows = {check.order: (check.what, check.limit) for check in checks if check.has_limit}
+    assert rows[Fraction(3)] == ("Separation from 1 x between speed", 0.1)
+    assert rows[Fraction(3, 5)] == ("Separation from 1 x slow speed", 0.1)
+    assert rows[Fraction(6)] == ("Separation from 2 x between speed", 0.05)
+    assert rows[Fraction(9, 5)] == ("Separation from 3 x slow speed", 0.05)
+
+
 def test_teeth_and_blades_that_the_file_knows_are_judged(study, evidence) -> None:
     parts = [
         ("motor", {"inertia": 1.0}),

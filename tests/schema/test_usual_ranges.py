@@ -8,8 +8,8 @@ from docs.site.model_file_manual import pages
 from pydantic import ValidationError
 from tests.for_all import for_all
 
-from torsion.errors import InputError
-from torsion.fields import LARGEST, SMALLEST
+from torsion.errors import InputError, Refusal
+from torsion.fields import LARGEST, SMALLEST, read_exact
 from torsion.model import KINDS
 from torsion.model.component import Material, component_class
 from torsion.model.coupling import Coupling
@@ -341,3 +341,30 @@ def test_stiffnesses_may_be_apart_by_the_range_that_is_promised():
         Coupling(stiffness=stiffness)
     for inertia in (1e-11, 1e-9, 1.0, 1e6, 1e9):
         Disc(inertia=inertia)
+
+
+@for_all(
+    ("row", "number", "is_usual"),
+    [
+        ("degC", -60.0, True),
+        ("degC", -61.0, False),  # though 61 degC is usual
+        ("degC", 251.0, False),
+        ("exponent of a load", -2.0, False),
+        ("N*m", -100.0, True),  # a torque of either sense, by its size
+        ("N*m", -2e10, False),
+        ("kg", 0.0, True),
+    ],
+)
+def test_a_range_from_below_0_has_a_sign_and_one_from_above_0_is_of_the_size(
+    row: str, number: float, is_usual: bool
+) -> None:
+    assert USUAL[row].holds(number) is is_usual
+
+
+@for_all("written", ["1/1000000000", "1/2000000000", "0.000000001", "1000000000", "0", "-2"])
+def test_an_exact_ratio_lies_between_a_thousand_millionth_and_a_thousand_millions(
+    written: str,
+) -> None:
+    with pytest.raises(Refusal, match="out of range"):
+        read_exact(written)
+    assert read_exact("1/999999999") * read_exact("999999999") == 1

@@ -431,3 +431,14 @@ def test_a_catalogue_varies_in_a_sweep_as_well(tmp_path: Path) -> None:
     exact = np.sqrt(np.where(found.factor[:, 0] == 0, 30000, 20000) * 2.0 / 0.96) / (2 * pi)
     assert found.frequency[0] == pytest.approx(exact, rel=1e-13)
     assert {0.0, 1.0} == set(found.factor[:, 0])
+
+
+def test_a_choice_that_breaks_a_condition_is_solved_and_not_kept() -> None:
+    """At most 20 kN m/rad make 32.5 Hz, and 40 Hz is the condition."""
+    found = designed(
+        TWO % "  design: {choose: {coupling-1.stiffness: {from: 1e4, to: 2e4}}, "
+        "aim: {mode-1.frequency: 33 Hz}, keep: [{mode-1.frequency: {above: 40 Hz}}]}"
+    )
+    assert not found.allowed.any()
+    assert found.best[0].frequency == pytest.approx(np.sqrt(2e4 * 2.0 / 0.96) / (2 * pi), rel=1e-6)
+    assert (found.best[0].is_allowed, found.best[0].proven) == (False, "not kept")

@@ -350,6 +350,19 @@ def test_an_inertia_with_a_tolerance_varies_with_its_water(water: str, keys: lis
     )
 
 
+@pytest.mark.parametrize(
+    ("given", "key"),
+    [("stiffness: 20000", "stiffness"), ("flexibility: 5e-5 rad/(N*m)", "flexibility")],
+)
+def test_a_tolerance_is_that_of_the_stiffness_however_it_is_given(given: str, key: str) -> None:
+    text = (TWO % "").replace("stiffness: 20000", f"{given}, tolerance: 10 %")
+    variation = torsion.parse(text).variations["sweep"]
+    (figure,) = variation.figures
+    assert figure.name == f"coupling-1.{key}"
+    (spring,) = variation.study([0.9]).train.springs
+    assert 1.0 / spring.flexibility == pytest.approx(18000.0, rel=1e-14)
+
+
 @for_all(
     ("sweep", "place", "words"),
     [
