@@ -61,18 +61,20 @@ def area(x: FloatArray, y: FloatArray, base: FloatArray, columns: int) -> str:
 
 def _piece(x: FloatArray, y: FloatArray) -> str:
     """Return one line without a gap, by steps."""
-    places = np.column_stack([x, y]).clip(-FAR, FAR)
+    places = np.clip(x, -FAR, FAR) + 1j * np.clip(y, -FAR, FAR)
     # Without points next to the chord of their neighbours, unless the line turns back there.
     for start in (1, 2) * PASSES:  # every other point, so that its neighbours stay
         back = places[start:-1:2] - places[start - 1 : -2 : 2]
         chord = places[start + 1 :: 2] - places[start - 1 : -2 : 2]
-        length, along = np.hypot(*chord.T), (back * chord).sum(axis=1)
-        off = np.abs(back[:, 0] * chord[:, 1] - back[:, 1] * chord[:, 0])
+        length, product = np.abs(chord), back * chord.conj()
+        off, along = np.abs(product.imag), product.real
         is_between = (off <= BESIDE * length) & (along >= 0.0) & (along <= length**2)
         if start == 2 and not is_between.any():
             break
-        places = np.delete(places, start + 2 * np.flatnonzero(is_between), axis=0)
-    signs = places.round().astype(np.int64)
+        kept = np.ones(places.size, dtype=bool)
+        kept[start:-1:2] = ~is_between
+        places = places[kept]
+    signs = places.view(np.float64).reshape(-1, 2).round().astype(np.int64)
     steps = np.diff(signs, axis=0)
     steps = steps[steps.any(axis=1)]
     if steps.size == 0:

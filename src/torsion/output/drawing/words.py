@@ -3,6 +3,7 @@
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from html import escape
 
 import numpy as np
@@ -50,17 +51,18 @@ def width(text: str, size: float = SIZE) -> float:
     >>> width("mm", 10.0)
     16.66
     """
-    letters = (
-        int(WIDTHS[code - 32])
-        if 32 <= code <= 126
-        else 340
-        if chr(code) in SUPERSCRIPTS
-        else 580
-        if code < LATIN
-        else 1000
-        for code in map(ord, text)
-    )
-    return sum(letters) * size / 1000.0
+    return sum(map(_letter_width, text)) * size / 1000.0
+
+
+@cache
+def _letter_width(letter: str) -> int:
+    """Return the width of a letter in thousandths of its size."""
+    code = ord(letter)
+    if 32 <= code <= 126:
+        return int(WIDTHS[code - 32])
+    if letter in SUPERSCRIPTS:
+        return 340
+    return 580 if code < LATIN else 1000
 
 
 def fitted(text: str, most: float) -> str:
