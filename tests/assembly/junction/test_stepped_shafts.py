@@ -126,6 +126,12 @@ def test_an_undercut_and_a_flange_twist_as_the_whole_line_does(
         flanges
         == [pytest.approx(density * length * math.pi / 32.0 * diameter**4)][: diameter > 0.1]
     )
+    # The ring in the corner of a flange of 8 mm; the fillet of an undercut is in the larger shaft, not beside it.
+    rings = [one.inertia for one in found.inertias if one.what == "fillet"]
+    ring, _ = quad(
+        lambda r: r**3 * (0.008 - math.sqrt(0.008**2 - (0.058 - r) ** 2)), 0.05, 0.058, epsabs=0
+    )
+    assert rings == [pytest.approx(density * 2.0 * math.pi * ring, rel=1e-9)][: diameter > 0.1]
 
 
 def test_a_large_fillet_stiffens_the_shaft_that_it_fills() -> None:
