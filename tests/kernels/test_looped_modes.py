@@ -54,6 +54,10 @@ def test_ring_of_equal_inertias_has_pairs_at_2_sin(size):
     modes = graph_modes(tree, np.array([0]), np.array([size - 1]), np.array([1.0]))
     expected = np.sort(2 * np.sin(np.pi * np.arange(1, size) / size))
     np.testing.assert_allclose(modes.frequency, expected, rtol=2e-15)
+    width = 4.0 * 2.0**-52 * (size - 1)  # the stated bound: 4 rounding units a body
+    for bound, sign in ((modes.lower, -1.0), (modes.upper, 1.0)):
+        np.testing.assert_allclose(sign * (bound / modes.frequency - 1.0), width, rtol=0.25)
+    assert ((modes.lower < expected) & (expected < modes.upper)).all()
     np.testing.assert_allclose(modes.angle.T @ modes.angle, np.eye(size - 1), atol=1e-14)
     np.testing.assert_allclose(modes.loop_torque[0], modes.angle[0] - modes.angle[-1], atol=1e-14)
     assert modes.rigid == 1

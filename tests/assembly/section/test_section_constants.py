@@ -217,3 +217,20 @@ def test_one_section_in_many_formats(tmp_path, draw, ending, how) -> None:
     assert section_result(SectionMesh(file)).torsion_constant == pytest.approx(
         0.140577015, rel=1e-6
     )
+
+
+@pytest.mark.parametrize(
+    ("stresses", "modulus"), [((1.0, 1.25, 1.28), 6.0 / 1.28), ((1.0, 1.02, 1.2), math.nan)]
+)
+def test_the_stress_modulus_is_known_where_the_last_refinement_changes_it_little(
+    stresses: tuple[float, ...], modulus: float
+) -> None:
+    """By 2.4 % after 25 %; and not where 2 % come first and 18 % last, as at a corner."""
+    from torsion.assembly.section.section_result import SectionResult
+    from torsion.assembly.section.section_torsion import Level, Moments
+
+    levels = tuple(Level(1, 5.9, 6.1, stress, (0.0, 0.0)) for stress in stresses)
+    result = SectionResult("section.msh", Moments(1.0, (0.0, 0.0), 7.0), levels, 4)
+    assert result.stress_modulus == pytest.approx(modulus, rel=1e-15, nan_ok=True)
+    assert ("no W_t" in result.words) is math.isnan(modulus)
+    assert result.error == pytest.approx(0.1 / 6.0, rel=1e-12)
