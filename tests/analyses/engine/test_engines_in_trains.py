@@ -184,16 +184,20 @@ def test_tables_over_speed_are_interpolated_as_complex_numbers() -> None:
     )
 
 
+KEPT = "misfire: 3\n      keep_power: true"
+
+
 @pytest.mark.parametrize(
-    ("state", "whole"),
+    ("state", "heat"),
     [
-        ("", 1.0),
-        ("misfire: 3", 5 / 6),
-        ("cut_out: [1, 2]", 4 / 6),
-        ("misfire: 3\n      keep_power: true", 1.0),
+        ("", (1, 1, 1, 1, 1, 1)),
+        ("misfire: 3", (1, 1, 0, 1, 1, 1)),
+        ("cut_out: [1, 2]", (0, 0, 1, 1, 1, 1)),
+        (KEPT, (1.2, 1.2, 0, 1.2, 1.2, 1.2)),
+        (f"imbalance: [[1, 80 %]]\n      {KEPT}", (1, 1.25, 0, 1.25, 1.25, 1.25)),
     ],
 )
-def test_mean_torque_enters_at_the_cylinders_that_fire(state: str, whole: float) -> None:
+def test_mean_torque_enters_at_the_cylinders_that_fire(state: str, heat: tuple[float, ...]) -> None:
     found = solved(state=state)
     at = steady(found.study.train, found.system, found.study.operation, np.array([SPEED]))
     applied = {
@@ -201,15 +205,10 @@ def test_mean_torque_enters_at_the_cylinders_that_fire(state: str, whole: float)
         for station, value in zip(found.system.stations, at.applied[:, 0], strict=True)
     }
     shares = [cylinder.share for cylinder in found.need(Engines).each[0].cylinders]
-    cold = {"": (), "m": (3,), "c": (1, 2)}[state[:1]]
-    raised = 1.2 if "keep" in state else 1.0  # five take the heat of six
-    assert shares == pytest.approx([0.0 if k in cold else raised for k in range(1, 7)], rel=1e-15)
+    assert shares == pytest.approx(heat, rel=1e-15)
     engine = [value for name, value in applied.items() if name.startswith("main engine")]
-    assert sum(engine) == pytest.approx(whole * 1019.53686, rel=1e-9)
+    assert engine == pytest.approx([1019.53686 * share / 6.0 for share in heat], rel=1e-9)
     assert applied["flywheel"] == pytest.approx(-sum(engine), rel=1e-12)
-    assert len([value for value in engine if value]) == 6 - ("misfire" in state) - 2 * (
-        "cut" in state
-    )
     np.testing.assert_allclose(
         found.need(Steady).torque[-1], -found.need(Steady).applied[-1], rtol=1e-12
     )
