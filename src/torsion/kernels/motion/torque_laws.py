@@ -6,7 +6,7 @@ Angles and speeds are whole and of the own shaft, torques positive in the sense 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -29,9 +29,9 @@ class Window(NamedTuple):
     begin: float = 0.0  # s
     end: float = math.inf
 
-    def holds(self, time: FloatArray) -> FloatArray:
-        """1 while it acts, else 0, (times,); times lie inside a step, which ends where it does."""
-        return ((time >= self.begin) & (time < self.end)).astype(float)
+    def holds(self, time: Any) -> Any:
+        """Whether it acts at a time or at times; a step ends where it does, and acts as at its first time."""
+        return (time >= self.begin) & (time < self.end)
 
 
 ALWAYS = Window()
@@ -153,7 +153,7 @@ class BySpeed(ByParts):
     window: Window = ALWAYS
 
     def conditions(self, regime: int, points: Points) -> Conditions:
-        acts = self.window.holds(points.time)
+        acts = self.window.holds(points.time[0])
         torque, slope = self.parts.value(regime, points.speed[0])
         return Conditions(acts * torque - points.torque, by_speed=(acts * slope)[None, None])
 
@@ -169,7 +169,7 @@ class InductionMotor(StationLaw):
     window: Window = ALWAYS
 
     def conditions(self, regime: int, points: Points) -> Conditions:
-        acts, s = self.window.holds(points.time), 1.0 - points.speed[0] / self.synchronous
+        acts, s = self.window.holds(points.time[0]), 1.0 - points.speed[0] / self.synchronous
         squares = s * s + self.slip**2
         factor = 2.0 * self.pull_out * self.slip * acts
         slope = -factor * (self.slip**2 - s * s) / squares**2 / self.synchronous
@@ -198,11 +198,11 @@ class Wave(ByParts):
         return super().first(points)
 
     def conditions(self, regime: int, points: Points) -> Conditions:
-        acts, since = self.window.holds(points.time), points.time - self.window.begin
+        acts, since = self.window.holds(points.time[0]), points.time - self.window.begin
         size, slope = self.parts.value(regime, points.speed[0][:, None])
         turned = np.multiply.outer(points.angle[0] - self.origin, np.atleast_1d(self.order))
         growth = (self.rate * since)[:, None]
-        wave: ComplexArray = acts[:, None] * np.exp(1j * (self.phase + turned) + growth)
+        wave: ComplexArray = acts * np.exp(1j * (self.phase + turned) + growth)
         return Conditions(
             (size * wave).real.sum(axis=1) - points.torque,
             by_angle=(1j * self.order * size * wave).real.sum(axis=1)[None, None],
@@ -226,7 +226,7 @@ class ByAngle(StationLaw):
         return max(int(np.searchsorted(self.history.begin, since, side="right")) - 1, 0)
 
     def conditions(self, regime: int, points: Points) -> Conditions:
-        acts = self.window.holds(points.time)
+        acts = self.window.holds(points.time[0])
         since = points.angle[0] - self.origin - self.history.begin[regime]
         acting = self.history.acting[regime]
         level, gain = acting.later(since)
@@ -262,15 +262,15 @@ class DryFriction(Law):
 
     def first(self, points: Points) -> int:
         speed = float(points.speed[0, 0])
-        if not self._acting(points.time).any():
+        if not self._acting(points.time[0]).any():
             return FREE
         if abs(speed) <= STANDING * self.scale:
             return STANDS
         return FORWARD if speed > 0.0 else BACKWARD
 
     def conditions(self, regime: int, points: Points) -> Conditions:
-        ratio, acting = np.array(self.ratio), self._acting(points.time)
-        forward = np.sign(ratio)[:, None] * acting
+        ratio, acting = np.array(self.ratio), self._acting(points.time[0])
+        forward = (np.sign(ratio) * acting)[:, None]
         if regime != STANDS:
             sense = 0 if regime == FREE else BACKWARD + 1 - regime
             return Conditions(sense * forward - points.torque)
@@ -291,16 +291,14 @@ class DryFriction(Law):
             share = points.speed[0] * (AT_LIMIT / (STANDING * self.scale))
             return [(share if regime == FORWARD else -share, STANDS)]
         ratio = np.array(self.ratio)
-        friction = np.abs(ratio) @ self._acting(points.time)
-        # Nothing acts at the very end of a window.
-        share = (ratio @ points.torque) / np.where(friction > 0.0, friction, np.inf)
+        share = (ratio @ points.torque) / (np.abs(ratio) @ self._acting(points.time[0]))
         factor = AT_LIMIT / MORE
         return [((1.0 + share) * factor, FORWARD), ((1.0 - share) * factor, BACKWARD)]
 
     def still(self, regime: int) -> tuple[int, ...]:
         return self.neighbours if regime == STANDS else ()
 
-    def _acting(self, time: FloatArray) -> FloatArray:
-        """Friction that acts at each interface, (interfaces, times) N m."""
+    def _acting(self, time: float) -> FloatArray:
+        """Friction that acts at each interface, (interfaces,) N m."""
         pairs = zip(self.torque, self.windows, strict=True)
         return np.array([torque * window.holds(time) for torque, window in pairs])
