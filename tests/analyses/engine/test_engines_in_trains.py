@@ -567,6 +567,11 @@ def test_tables_over_the_load_are_interpolated_and_not_left() -> None:
     assert gas[0] == pytest.approx(300.0, rel=1e-12)
     with pytest.raises(torsion.InputError, match=r"cover 4 to 20 `bar` imep, the operation needs"):
         torsion.parse(text.replace("LOW", "-990").replace("GAS", f"tables: [{low}, {high}]"))
+    unknown = text.replace("  load: [[1000 rpm, LOW N*m], [3000 rpm, 1000 N*m]]\n", "")
+    found = torsion.parse(unknown.replace("GAS", f"tables: [{low}, {high}]"))
+    torque = next(one for one in found.train.torques if one.order == 3).cylinder
+    gas = replace(torque, inertia=0.0, turned=1.0).amplitude(np.array([SPEED]), None)
+    assert gas[0] == 500.0  # of the highest load, where none is known
 
 
 def test_a_phase_that_is_any_is_not_for_motion_over_time() -> None:
