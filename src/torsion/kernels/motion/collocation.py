@@ -333,9 +333,8 @@ class _Collocation:
             for margin, polynomial in zip(margins, (POWERS @ series).T.tolist(), strict=True)
         ]
         # A margin that is negative at the end of the part by rounding alone is passed there.
-        passed = [1.0 if share is None else share for share in passed]
         return min(
-            (low + (high - low) * share, number, follows)
+            (low + (high - low) * (1.0 if share is None else share), number, follows)
             for share, (_, number, _, follows) in zip(passed, crossings, strict=True)
         )
 

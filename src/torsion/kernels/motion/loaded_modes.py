@@ -21,7 +21,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from math import comb
+from math import comb, perm
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -53,6 +53,10 @@ POWERS: FloatArray = np.array(
         [(-1.0) ** (n + k) * comb(n, k) * comb(n + k, k) for n in range(POINTS)]
         for k in range(POINTS)
     ]
+)
+# (orders, powers) factors that a derivative of an order brings to the powers
+FALLING: FloatArray = np.array(
+    [[float(perm(power, order)) for power in range(POINTS)] for order in range(POINTS)]
 )
 # of the number of answers: |z| below which the series is taken; TERMS of it are exact to rounding there
 NEAR = 0.5
@@ -233,11 +237,11 @@ class LoadedModes:
         since = start.time + time - self.history.begin[interval]
         inputs[1 : self.following.start] = self.loads_at(interval, since, orders)
         if len(self.shape):
-            polynomial = start.polynomial
+            powers = np.vander(time, POINTS, increasing=True).T
             for order in range(min(orders, POINTS)):
-                inputs[self.following, :, order] = polynomial_value(polynomial, time)
-                power = np.arange(1.0, len(polynomial))[:, None, None]
-                polynomial = power * polynomial[1:]
+                factors = FALLING[order, order:, None] * powers[: POINTS - order]
+                polynomial = start.polynomial[order:]
+                inputs[self.following, :, order] = np.einsum("kt,kit->it", factors, polynomial)
         inputs[0, :, 0], inputs[offsets:, :, 0] = 1.0, start.offset
         return inputs
 
