@@ -54,6 +54,19 @@ def test_the_slot_of_a_cone_is_judged_at_the_end_where_it_concentrates_more(
     assert f"C_K {1.45 / max(both):.4g} (slot, to be verified)" in shaft.notes[0]
 
 
+@pytest.mark.parametrize("turned", [1, -1])
+def test_the_slot_of_a_cone_keeps_its_length_at_the_thin_and_its_width_at_the_thick_end(
+    study, turned
+) -> None:
+    """Of 100 mm it is 0.9 long and 0.2 wide, of 160 mm 0.56 and 0.125; the rule wants below 0.8 and above 0.15."""
+    slot = {"length": "90 mm", "width": "20 mm", "end_radius": "10 mm", "number": 1}
+    shaft = slotted(study, [0.1, 0.16][::turned], [0.0, 0.0], slots={"line": slot})
+    assert shaft.doubts == (
+        "slot of 'line': length 0.9 of the diameter, not below 0.8",
+        "slot of 'line': width 0.125 of the diameter, not above 0.15",
+    )
+
+
 def test_the_table_s_factor_of_a_slot_holds_without_its_dimensions(study) -> None:
     for settings in ({}, {"slots": {"other": {"length": 0.07, "width": 0.02}}}):
         shaft = slotted(study, [0.1], [0.0], **settings)

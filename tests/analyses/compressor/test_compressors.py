@@ -370,10 +370,13 @@ def test_volume_travel_stroke_and_angle_say_the_same(end: End, tmp_path: Path) -
     np.testing.assert_allclose(gas, wanted, atol=1e-9 * np.abs(wanted).max())
 
 
-def test_a_constant_pressure_takes_no_work_and_still_excites(tmp_path: Path) -> None:
-    own = solved(tmp_path, "head_end: 3 bar, reciprocating: 10").throws[0]
+@pytest.mark.parametrize(("more", "rod"), [("", 0.0), (", tail_rod: 120 mm", 0.12)])
+def test_a_constant_pressure_takes_no_work_and_still_excites(
+    more: str, rod: float, tmp_path: Path
+) -> None:
+    own = solved(tmp_path, f"head_end: 3 bar, reciprocating: 10{more}").throws[0]
     assert own.mean_torque == 0.0
-    area = math.pi / 4.0 * 0.4**2
+    area = math.pi / 4.0 * (0.4**2 - rod**2)
     wanted = (
         quad(lambda a: (3e5 - AROUND) * area * lever(a) * math.sin(a), 0.0, 2.0 * math.pi)[0]
         / math.pi

@@ -167,19 +167,29 @@ analyses: {modes: {count: 4}, sweep: {vary: {VARY}, samples: 128}}
 """
 
 
+HIGH = """operation: {speeds: {from: 300 rpm, to: 600 rpm, steps: 2}}
+excitations: [{at: first, frequency: 9 kHz, torque: 1}]
+analyses: {response: , """
+
+
 @pytest.mark.parametrize(
-    "vary",
+    ("vary", "analyses"),
     [
-        "front.diameter: {uniform: 8 %}, aft.diameter: {uniform: 8 %}, first.inertia: {uniform: 20 %}",
-        "front.length: {uniform: 10 %}, aft.diameter: {uniform: 8 %}",
+        (
+            "front.diameter: {uniform: 8 %}, aft.diameter: {uniform: 8 %}, first.inertia: {uniform: 20 %}",
+            "analyses: {",
+        ),
+        ("front.length: {uniform: 10 %}, aft.diameter: {uniform: 8 %}", "analyses: {"),
+        ("front.diameter: {uniform: 8 %}", HIGH),
     ],
+    ids=["diameters", "length", "excited above its modes"],
 )
 def test_variants_side_by_side_have_lumped_shafts_divided_as_each_by_itself(
-    vary: str, monkeypatch: pytest.MonkeyPatch
+    vary: str, analyses: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The last mode of a variant, and the length of a shaft, say in how many segments it is."""
+    """The last mode of a variant, the highest excitation and the length of a shaft say in how many segments it is."""
     study, solved, counted = (
-        torsion.parse(SHAFTS.replace("VARY", vary)),
+        torsion.parse(SHAFTS.replace("analyses: {", analyses).replace("VARY", vary)),
         chunks.shared_out,
         list[int](),
     )
