@@ -1,10 +1,13 @@
 """The documentation site, from the root of the repository: `sphinx-build -W -n -c docs -d build/pages . build/site`."""
 
+import gc
 import sys
 from importlib import metadata
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent / "site"))
+# Pages stay until the end: with the threshold of Python a third of the time goes to vain searches.
+gc.set_threshold(200_000, 20, 100)
 
 project = "torsion"
 version = release = metadata.version("torsion")
