@@ -46,6 +46,9 @@ WORDS = (
     (r"(?<!-)fold(?:s|ed|ing)?", "condensed"),
     (r"(?<!\d\s)(?<!\[)bars?", "distributed shaft; rod"),  # not the unit of a pressure
 )  # a word, whole, without its case; what to write in its place
+ANY_WORD = re.compile(  # one search for all: most texts have none
+    rf"\b(?:{'|'.join(pattern for pattern, _ in WORDS)})\b".replace(" ", r"\s+"), re.IGNORECASE
+)
 NAMES = {
     "told",
     "asked",
@@ -61,6 +64,7 @@ NAMES = {
     "swing",
     "proof",
 }  # parts of a name in the code that are private words of the same kind
+ANY_NAME = re.compile(rf"(?<![^\W_])(?:{'|'.join(sorted(NAMES))})(?![^\W_])", re.IGNORECASE)
 QUOTED = re.compile(
     r"```.*?^```|`[^`\n]*`|\]\([^)\n]*\)", re.MULTILINE | re.DOTALL
 )  # keys, code, targets of links
@@ -69,6 +73,8 @@ QUOTED = re.compile(
 def private_words(text: str) -> list[tuple[int, str, str]]:
     """Line, word and what to use instead, of every private word outside code, keys in backticks and targets."""
     prose = QUOTED.sub(lambda match: re.sub(r"[^\n]", "_", match[0]), text)
+    if not ANY_WORD.search(prose):
+        return []
     found = []
     for pattern, instead in WORDS:
         for match in re.finditer(rf"\b(?:{pattern})\b".replace(" ", r"\s+"), prose, re.IGNORECASE):
@@ -86,10 +92,14 @@ def is_groups(node: ast.AST) -> bool:
 
 
 def prose_of(source: str) -> Iterator[tuple[int, str]]:
-    """Line and text of the comments of a module and of its strings; strings of one word and groups of keys are no prose."""
-    for token in tokenize.generate_tokens(io.StringIO(source).readline):
-        if token.type == tokenize.COMMENT:
-            yield token.start[0], token.string
+    """Line and text of the comments of a module that has a private word, and of its strings.
+
+    Strings of one word and groups of keys are no prose.
+    """
+    if ANY_WORD.search(source):  # else no comment has a word either; tokens take long
+        for token in tokenize.generate_tokens(io.StringIO(source).readline):
+            if token.type == tokenize.COMMENT:
+                yield token.start[0], token.string
     tree = ast.parse(source)
     keys = {id(node) for node in ast.walk(tree) if is_groups(node) for node in ast.walk(node)}
     for node in ast.walk(tree):
@@ -104,6 +114,8 @@ def prose_of(source: str) -> Iterator[tuple[int, str]]:
 
 def names_of(source: str) -> Iterator[tuple[int, str]]:
     """Line and text of every name in a module of which a part is a private word."""
+    if not ANY_NAME.search(source):
+        return
     for token in tokenize.generate_tokens(io.StringIO(source).readline):
         if token.type == tokenize.NAME and NAMES & set(token.string.lower().split("_")):
             yield token.start[0], token.string

@@ -56,7 +56,10 @@ def same(one: Sweep, other: Sweep) -> None:
 
 @pytest.fixture(scope="module")
 def whole() -> Sweep:
-    return torsion.run(torsion.parse(PLAIN % VARY)).need(Sweep)
+    """The answers of `solve`, in chunks of another length than the parts."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(sweep_run, "JUDGED_AT_ONCE", 48)
+        return torsion.run(torsion.parse(PLAIN % VARY)).need(Sweep)
 
 
 @pytest.fixture(scope="module")
@@ -120,10 +123,11 @@ def test_all_variants_stand_in_one_table(kept: Path, whole: Sweep) -> None:
 
 
 def test_answers_that_are_judged_are_the_same_for_chunks_of_another_length(
-    whole: Sweep, monkeypatch: pytest.MonkeyPatch
+    kept: Path, whole: Sweep
 ) -> None:
-    monkeypatch.setattr(sweep_run, "JUDGED_AT_ONCE", 2)
-    same(torsion.run(torsion.parse(PLAIN % VARY)).need(Sweep), whole)
+    found, taken = by(kept, PLAIN % VARY)
+    assert (taken.kept, taken.solved) == (8, 0)
+    same(found, whole)
 
 
 def test_frequencies_one_by_one_in_many_parts_are_those_of_one_chunk(
