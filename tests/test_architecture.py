@@ -78,7 +78,8 @@ def _imports(path: Path, *, typed: bool = False) -> list[str]:
             found.append(node.module or "")
             found.extend(f"{node.module}.{alias.name}" for alias in node.names)
         for child in ast.iter_child_nodes(node):
-            visit(child)
+            if not isinstance(child, ast.expr):  # an expression holds no statement
+                visit(child)
 
     visit(_tree(path))
     return found
