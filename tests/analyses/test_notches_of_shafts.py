@@ -38,7 +38,8 @@ def test_notch_in_a_cone_is_judged_at_its_weaker_end(
     assert found.factor / found.modulus == pytest.approx(worst, rel=1e-12)
 
 
-def test_groove_without_an_answer_is_located() -> None:
+def test_groove_without_an_answer_is_located(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("torsion.assembly.section.grooved_sections.ROUNDS", 2)
     splines = "{teeth: 3, root: 10 mm, width: 2 mm, fillet: 0.1 mm}"
     shaft = f"diameter: 100 mm, notches: [{{hole: 9 mm}}, {{splines: {splines}}}]"
     system = assemble(parse(SCENE.replace("SHAFT", shaft)).train)

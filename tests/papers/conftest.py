@@ -2,16 +2,19 @@
 
 import importlib
 import json
+from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from types import ModuleType
 
 import pytest
+from tests.shared import shared
 
 ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture(scope="session")
-def paper() -> dict[str, ModuleType]:
+def paper() -> Iterator[dict[str, ModuleType]]:
     """Modules of benchmarks/papers by name; importing them leaves path and environment as they were."""
     files = (ROOT / "benchmarks" / "papers").glob("[a-z]*.py")
     with pytest.MonkeyPatch.context() as patch:
@@ -23,9 +26,20 @@ def paper() -> dict[str, ModuleType]:
             "NUMBA_NUM_THREADS",
         ):
             patch.setenv(variable, "1")
-        return {
+        modules = {
             file.stem: importlib.import_module(f"benchmarks.papers.{file.stem}") for file in files
         }
+
+    # A motion of a truck takes a second and is read by tests that two workers share.
+    solve = modules["shafting"].driveline
+
+    @cache
+    def solve_once(gear: int, friction: str) -> object:
+        return shared(f"driveline-{gear}-{friction}", lambda: solve(gear, friction))
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(modules["shafting"], "driveline", solve_once)
+        yield modules
 
 
 @pytest.fixture(scope="session")

@@ -8,7 +8,7 @@ from torsion.rules.verdict_line import Checks
 
 TRAIN = """
 name: x
-operation: {speeds: {from: 200 rpm, to: 1200 rpm, steps: 11}, rated: {speed: 1200 rpm, power: 50 kW}}
+operation: {speeds: {from: 200 rpm, to: 1200 rpm, steps: 3}, rated: {speed: 1200 rpm, power: 50 kW}}
 train:
 - motor: {name: m, inertia: 1, ripple: [{order: 1, torque: 4 N*m}]}
 - coupling: {name: soft, stiffness: 10000, loss_factor: 5 %, vibratory_torque: 1 kN*mTOLERANCE}

@@ -108,7 +108,7 @@ def test_nothing_of_two_engines_at_any_phase_exceeds_their_worst_phase(
 ) -> None:
     worst, each = (
         two(tables, "worst"),
-        [two(tables, f"{degrees} deg") for degrees in range(0, 720, 80)],
+        [two(tables, f"{degrees} deg") for degrees in range(0, 720, 120)],
     )
     half = np.array([one.need(Synthesis).half_range.max(axis=0) for one in each]).max(axis=0)
     assert np.all(half <= worst.need(Synthesis).half_range.max(axis=0))

@@ -203,7 +203,7 @@ def test_a_motion_that_cannot_be_trusted_says_so_in_report_and_verdict() -> None
 
 
 def test_shafts_are_divided_for_their_modes_where_a_file_names_a_motion_alone() -> None:
-    alone = SCENE.replace(", segments: 8", "") + TRIP.replace("1 s,", "0.01 s,")
+    alone = SCENE.replace(", segments: 8", "") + TRIP.replace("1 s,", "0.01 s, samples: 100,")
     named = alone.replace("  transient:\n", "  modes:\n  transient:\n")
     first, second = (torsion.run(torsion.parse(text)) for text in (alone, named))
     assert first.system.segments == second.system.segments

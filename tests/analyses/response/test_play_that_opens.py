@@ -47,7 +47,9 @@ def cycle(w: float, mean: float, torque: float, start: tuple[float, float]) -> t
     period = 2.0 * math.pi / w
 
     def rate(time, z):
-        return [z[1], mean + torque * math.cos(w * time) - carried(z[0]) - DAMPING * z[1]]
+        twist, speed = np.split(z, 2)  # of all starts
+        drive = mean + torque * math.cos(w * time)
+        return np.concatenate([speed, drive - carried(twist) - DAMPING * speed])
 
     def moved(state, times=None):
         return solve_ivp(
@@ -62,13 +64,12 @@ def cycle(w: float, mean: float, torque: float, start: tuple[float, float]) -> t
         )
 
     state, small = np.array(start), 1e-7
-    for _ in range(30):  # the first of the transient, so that Newton's method begins near the cycle
+    for _ in range(10):  # the first of the transient, so that Newton's method begins near the cycle
         state = moved(state).y[:, -1]
     for _ in range(12):
-        end = moved(state).y[:, -1]
-        slope = np.array(
-            [(moved(state + small * one).y[:, -1] - end) / small for one in np.eye(2)]
-        ).T
+        starts = state[:, None] + small * np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+        ends = moved(starts.ravel()).y[:, -1].reshape(2, 3)
+        end, slope = ends[:, 0], (ends[:, 1:] - ends[:, [0]]) / small
         step = np.linalg.solve(slope - np.eye(2), end - state)
         state = state - step
         if np.abs(step).max() < 1e-8:
@@ -92,8 +93,10 @@ def state_of(response, at: int, amplitude: float, mean: float) -> tuple[float, f
 
 
 def test_below_the_mean_torque_the_play_changes_no_digit() -> None:
-    closed, plain = (run(0.3, play=play).results["response"] for play in (PLAY, "clearance: 2 rad"))
-    linear = run(0.3, play="tolerance: 0 %").results["response"]
+    closed, plain, linear = (
+        run(0.3, play=play, speeds=(60, 110, 6)).results["response"]
+        for play in (PLAY, "clearance: 2 rad", "tolerance: 0 %")
+    )
     assert np.abs(linear.torque).max() < 20.0
     for one in (closed, plain):
         assert np.array_equal(one.torque, linear.torque)
@@ -168,7 +171,7 @@ def test_the_exact_motion_beside_it_is_that_of_shooting() -> None:
 
 
 def test_without_mean_torque_the_play_floats_or_hammers() -> None:
-    found = run(2.0, mean=0.0, speeds=(30, 110, 41), only=())
+    found = run(2.0, mean=0.0, speeds=(30, 110, 17), only=())
     response, balanced = found.results["response"], found.results["response"].balanced
     at = int(np.argmin(np.abs(response.speed - 35.0)))
     assert balanced.number[at, 0] == 3
@@ -181,7 +184,7 @@ def test_without_mean_torque_the_play_floats_or_hammers() -> None:
 
 def test_further_stages_stiffen_and_bend_the_resonance_up() -> None:
     stages = "stages: [{from: 0.004 rad, stiffness: 1e4}]"
-    found = run(4.0, mean=0.0, play=stages, speeds=(90, 150, 31), only=())
+    found = run(4.0, mean=0.0, play=stages, speeds=(90, 150, 16), only=())
     response, balanced = found.results["response"], found.results["response"].balanced
     several = response.speed[balanced.number[:, 0] > 1]
     assert several.size

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from functools import cache
 
 import mpmath as mp
 import numpy as np
@@ -54,6 +55,11 @@ def response(scene: Study, speeds: np.ndarray | None = None) -> Response:
     return torsion.response(scene, assemble(scene.train), speeds=speeds)
 
 
+@cache
+def two_orders() -> Response:
+    return response(study(orders=TWO_ORDERS))
+
+
 def two_masses(w: float, k: float, eta: float, torque: complex = 100.0) -> complex:
     stiffness = k * (1 + 1j * eta)
     return torque * stiffness * 40.0 / (stiffness * 50.0 - w * w * 400.0)
@@ -100,8 +106,7 @@ def test_every_solution_of_one_order_is_found_to_rounding() -> None:
 
 
 def test_half_range_of_two_orders_is_that_of_the_synthesis_at_its_stiffness() -> None:
-    scene = study(orders=TWO_ORDERS)
-    found = run(scene)
+    found = run(study(orders=TWO_ORDERS, steps=9))
     total, one = found.need(Synthesis), found.need(VibratoryTorques).each[0]
     assert total.half_range[:, 0] == pytest.approx(one.torque, rel=1e-12)
     assert one.residual.max() < 1e-12
@@ -122,7 +127,7 @@ def test_half_range_of_two_orders_is_that_of_the_synthesis_at_its_stiffness() ->
 
 
 def test_solutions_of_two_orders_are_those_of_a_dense_scan() -> None:
-    found = response(study(orders=TWO_ORDERS))
+    found = two_orders()
     angle, size = np.linspace(0.0, 4.0 * math.pi, 2001), np.linspace(0.5, 3000.0, 3000)
     k, eta = np.interp(size, AT, K), np.interp(size, AT, ETA)
     for place in range(0, len(found.speed), 9):
@@ -150,7 +155,7 @@ def test_a_table_of_one_stiffness_gives_the_response_of_a_plain_coupling() -> No
 
 
 def test_two_couplings_settle_at_torques_that_their_stiffnesses_lead_to() -> None:
-    found = response(study(more=SECOND, orders=TWO_ORDERS, steps=9))
+    found = response(study(more=SECOND, orders=TWO_ORDERS, steps=5))
     follow = found.following
     assert follow.settled.all()
     assert follow.rounds.max() > 2
@@ -185,7 +190,7 @@ def test_every_check_is_the_worst_of_all_solutions() -> None:
 
 def test_half_range_of_any_quantity_adds_magnitudes_where_phases_are_any() -> None:
     """Engines in any phase to each other: no cycle has a half range above the sum of its magnitudes."""
-    found = replace(response(study(orders=TWO_ORDERS)), by_magnitude=True)
+    found = replace(two_orders(), by_magnitude=True)
     size = np.abs(found.torque[:, :, 0]).sum(axis=1)
     assert half_range(found, found.torque[:, :, 0]) == pytest.approx(size, rel=1e-15)
     assert half_range(found, found.torque[:, :, 0]) == pytest.approx(

@@ -101,7 +101,8 @@ def test_exponent_of_the_mean_speed_and_mean_torque_are_those_of_the_written_out
     slope, method
 ):
     ask = search(slope, method)
-    for _, speed, torque, drift, largest in [row for row in DRIFT["rows"] if row[0] == slope]:
+    rows = [row for row in DRIFT["rows"] if row[0] == slope]
+    for _, speed, torque, drift, largest in rows[:: 3 if method == "hill" else 1]:
         orbit, found = ask(speed * RPM)
         assert orbit.balance.load[0] == pytest.approx(torque, rel=1e-11)
         assert np.fmax(found.drift, found.growth) == pytest.approx(largest, abs=1e-9)
@@ -221,7 +222,7 @@ def test_slope_of_a_quadratic_load_acts_on_the_drift(laws, key):
 
 
 def test_narrow_drift_between_the_speeds_is_found_with_its_greatest_value():
-    (drift,) = solved(load="quadratic", first=250, last=700, steps=46).need(Stability).drifts
+    (drift,) = solved(load="quadratic", first=250, last=350, steps=11).need(Stability).drifts
     speed, growth = DRIFT["quadratic_with"]["worst"]
     assert drift.growth == pytest.approx(growth, rel=1e-5)
     assert drift.at / RPM == pytest.approx(speed, abs=0.02)
@@ -229,7 +230,7 @@ def test_narrow_drift_between_the_speeds_is_found_with_its_greatest_value():
 
 
 def test_drift_is_named_with_the_slope_that_removes_it_and_no_verdict_follows():
-    found = solved(first=250, last=1500, steps=51)
+    found = solved(first=250, last=1500, steps=26)
     stable, check = found.need(Stability), verdict(found, "stability")
     (drift,) = stable.drifts
     speed, growth = DRIFT["worst_rpm_and_1_per_s"]
@@ -256,7 +257,7 @@ def test_drift_is_named_with_the_slope_that_removes_it_and_no_verdict_follows():
     ],
 )
 def test_drift_is_judged_where_the_law_of_the_drive_is_stated(drive, verdicts):
-    found = solved(drive=f", drive: {drive}", first=250, last=1500, steps=51)
+    found = solved(drive=f", drive: {drive}", first=250, last=1500, steps=26)
     assert [verdict(found, clause).verdict for clause in ("stability", "mean speed")] == verdicts
     if "fail" in verdicts:
         assert (
@@ -267,7 +268,7 @@ def test_drift_is_judged_where_the_law_of_the_drive_is_stated(drive, verdicts):
 
 UNSTABLE = """
 name: Cardan drive within a parametric resonance
-operation: {speeds: {from: 560 rpm, to: 570 rpm, steps: 3}, rated: {speed: 570 rpm}}
+operation: {speeds: {from: 560 rpm, to: 570 rpm, steps: 2}, rated: {speed: 570 rpm}}
 train:
   - motor: {name: motor, inertia: 5.2, power: 262.38 kW, speed: 570 rpm DRIVE}
   - joint: {angle: 25 deg, inertia: [0.05, 0.05]}
@@ -348,7 +349,7 @@ def test_row_of_the_mean_speed_states_no_torsional_growth(drive):
 
 
 def test_mean_speed_of_a_controlled_drive_is_not_judged():
-    found = solved(drive=", drive: {law: speed}")
+    found = solved(drive=", drive: {law: speed}", steps=2)
     assert "mean speed" not in [check.clause for check in found.need(Checks).lines]
     assert "kept by the controller" in verdict(found, "stability").note
 
@@ -359,7 +360,7 @@ def test_doubtful_exponent_is_a_growth_and_no_drift(monkeypatch):
         "torsion.analyses.stability.floquet_exponents.drift_slope",
         lambda at, speed, near: (1.0, None),
     )
-    found = solved.__wrapped__(first=250, last=1500, steps=51)  # not what an earlier test solved
+    found = solved.__wrapped__(first=250, last=1500, steps=26)  # not what an earlier test solved
     assert verdict(found, "stability").verdict == "fail"
     assert "were not distinguished" in verdict(found, "stability").note
 
@@ -391,7 +392,11 @@ def test_exact_response_is_not_marked_unstable_where_the_mean_speed_drifts():
 
 
 def test_map_leaves_the_drift_out():
-    found = solved(analyses="stability: {map: {over: angle, from: 8 deg, to: 12 deg, steps: 3}}")
+    found = solved(
+        analyses="stability: {map: {over: angle, from: 8 deg, to: 12 deg, steps: 2}}",
+        first=280,
+        steps=2,
+    )
     assert (found.need(StabilityMap).growth < 0).all()
     assert found.need(StabilityMap).error < 1e-6
 

@@ -125,13 +125,13 @@ def test_small_hole_stretches_its_edge_fourfold() -> None:
 
 
 @pytest.mark.parametrize(
-    ("root", "tooth", "fillet"), [(85.0, 1.0, 0.1), (86.0, 1.3, 0.05), (70.0, 1.0, 0.1)]
+    ("root", "tooth", "fillet"), [(85.0, 1.0, 0.1), (86.0, 1.3, 0.05), (76.0, 1.0, 0.1)]
 )
 def test_hundred_teeth_have_an_answer(root: float, tooth: float, fillet: float) -> None:
     """The same at two depths of the circle within, which is an aid of the mesh alone."""
     section = splines(root / 90.0, tooth / 45.0, fillet / 45.0, 100)
     found = groove_stress(section)
     assert found.error < 1e-3
-    assert on_mesh(replace(section, within=section.within - 0.02), 4).factor == pytest.approx(
+    assert on_mesh(replace(section, within=section.within - 0.02), 2).factor == pytest.approx(
         found.factor, rel=5e-3
     )

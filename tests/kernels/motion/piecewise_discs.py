@@ -126,8 +126,11 @@ class Discs:
                 dense_output=True,
                 max_step=STEP,
             )
-            for at in np.flatnonzero((times >= t) & (times <= own.t[-1])):
-                found[:, at] = self.torques(times[at], own.sol(times[at]))
+            within = np.flatnonzero((times >= t) & (times <= own.t[-1]))
+            if within.size:
+                states = own.sol(times[within])
+                for column, at in enumerate(within):
+                    found[:, at] = self.torques(times[at], states[:, column])
             t, x = own.t[-1], own.y[:, -1].copy()
             if own.status == 1:
                 which = next(number for number, one in enumerate(own.t_events) if one.size)

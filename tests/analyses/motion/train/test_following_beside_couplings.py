@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from tests.analyses.motion.train.plain_cross import turn_cross
 from tests.kernels.motion.piecewise_discs import Discs
 
 import torsion
@@ -12,7 +13,6 @@ from torsion.analyses.motion.motion_from_events import transient
 from torsion.analyses.motion.transient_motion import TransientMotion
 from torsion.assembly import assemble
 from torsion.errors import SolveError
-from torsion.kernels.joints.cross import transfer
 from torsion.kernels.motion import collocation
 
 SYNCHRONOUS = 50.0 * math.pi
@@ -133,16 +133,15 @@ def test_a_cross_joint_with_an_elastic_span_drives_a_coupling_with_dry_friction(
         "stiffness: 2e4, viscous: 1, hysteresis_torque: {torque: 20, stiffness: 5e4}"
     ).replace("- coupling: {name: c1", "- joint: {name: j, angle: 20 deg}\n- coupling: {name: c1")
     events = [{"at": "motor", "step": {"torque": 250}}, START[1]]
-    found = moved(text, duration=0.6, events=events)
+    found = moved(text, duration=0.3, events=events)
 
     def spring(angle: np.ndarray, speed: np.ndarray) -> tuple[float, float]:
-        joint = transfer(float(angle[0]), BEND)
-        ratio = float(joint.ratio)
-        twist, rate = angle[0] + float(joint.error) - angle[1], ratio * speed[0] - speed[1]
+        error, ratio, _ = turn_cross(float(angle[0]), BEND)
+        twist, rate = angle[0] + error - angle[1], ratio * speed[0] - speed[1]
         return 4e4 * twist + 3.0 * rate, ratio
 
     acting = [
-        (0, lambda t, angle, speed: 250.0 - spring(angle, speed)[0] * spring(angle, speed)[1]),
+        (0, lambda t, angle, speed: 250.0 - math.prod(spring(angle, speed))),
         (1, lambda t, angle, speed: spring(angle, speed)[0]),
         (2, pump),
     ]
@@ -150,20 +149,19 @@ def test_a_cross_joint_with_an_elastic_span_drives_a_coupling_with_dry_friction(
     discs = Discs([1.2, 0.3, 2.0], [(1, 2, 2e4, 1.0)], [friction], acting)
     assert found.system is not None
     at = [span.name for span in found.system.spans].index("c2")
-    error = float(transfer(0.0, BEND).error)
-    known, events_known = discs.run(np.array([0.0, error, error, 0.0, 0.0, 0.0]), found.time)
+    known, events_known = discs.run(np.zeros(6), found.time)
     error = np.abs(found.torque[at] - known.sum(axis=0)).max() / np.abs(known).max()
-    assert len(events_known) > 20
+    assert len(events_known) > 10
     assert error <= 1e-8
     assert found.residual < 1e-11
 
 
 def test_a_small_play_is_none() -> None:
-    linear = moved(THREE.format("stiffness: 6e4"), duration=0.2, events=START)
+    linear = moved(THREE.format("stiffness: 6e4"), duration=0.1, events=START)
     errors = []
     for play in (1e-6, 1e-8):
         text = THREE.format(f"stiffness: 6e4, clearance: {play} rad")
-        errors.append(np.abs(moved(text, duration=0.2, events=START).torque - linear.torque).max())
+        errors.append(np.abs(moved(text, duration=0.1, events=START).torque - linear.torque).max())
     assert errors[1] < 0.03 * errors[0]
     assert errors[1] < 1e-4 * linear.peak.max()
 
@@ -195,7 +193,7 @@ CASES = {
     "program": (HELD, {"events": [PROGRAM, START[1]]}),
     "ice": (
         THREE,
-        {"events": [*START, {"at": "pump", "time": 0.1, "ice": {"torque": 200, "case": 1}}]},
+        {"events": [*START, {"at": "pump", "time": 0.05, "ice": {"torque": 200, "case": 1}}]},
     ),
     "orders": (
         THREE.replace("blades: 4", "blades: 4, excitation: [{{blade_order: 1, torque: 20 %}}]"),
@@ -214,7 +212,7 @@ CASES = {
 @pytest.mark.parametrize("name", CASES)
 def test_a_clutch_that_never_slips_is_a_linear_coupling(name: str) -> None:
     text, body = CASES[name]
-    linear, found = (moved(text.format(one), duration=0.2, **body) for one in (LINEAR, NEVER))
+    linear, found = (moved(text.format(one), duration=0.1, **body) for one in (LINEAR, NEVER))
     assert found.steps > 0
     assert np.abs(found.torque - linear.torque).max() <= 1e-8 * linear.peak.max()
     assert np.abs(found.speed - linear.speed).max() <= 1e-9 * np.abs(linear.speed).max()
@@ -268,14 +266,14 @@ def test_lumped_shafts_beside_a_play_converge_to_finite_elements_with_the_square
     assert fem.switching is not None
     assert fem.residual < 1e-12
     errors = []
-    for segments in (4, 8, 16):
+    for segments in (3, 6, 12):
         lumped = with_shafts(f", segments: {segments}", PLAY, "lumped", SHAKEN, duration=0.05)
         assert lumped.switching is not None
         pairs = zip(lumped.switching.events, fem.switching.events, strict=True)
         errors.append(max(abs(one.time - other.time) / other.time for one, other in pairs))
     assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.1)
     assert errors[1] / errors[2] == pytest.approx(4.0, rel=0.1)
-    assert errors[2] < 8e-6
+    assert errors[2] < 1.5e-5
 
 
 def test_a_coupling_that_never_slips_is_linear_beside_finite_elements() -> None:
@@ -284,7 +282,7 @@ def test_a_coupling_that_never_slips_is_linear_beside_finite_elements() -> None:
         {"at": "e", "load": {"law": "propeller", "torque": 100, "speed": "500 rpm"}},
     ]
     linear, found = (
-        with_shafts("", one, "fem", events, duration=0.03, tolerance=1e-8, modes=80)
+        with_shafts("", one, "fem", events, duration=0.02, tolerance=1e-8, modes=80)
         for one in ("viscous: 0", "capacity: 1e6")
     )
     assert linear.modes == found.modes + 1  # all of both: the clutch parts the train

@@ -84,7 +84,8 @@ def integrated(
             max_step=longest,
         )
         inside = wanted[(wanted >= t) & (wanted < solved.t[-1])]
-        found += [springs(float(one), solved.sol(one)) for one in inside]
+        states = solved.sol(inside).T if inside.size else ()
+        found += [springs(float(one), state) for one, state in zip(inside, states, strict=True)]
         t, y = float(solved.t[-1]), solved.y[:, -1].copy()
         if solved.status == 1 or t in cuts:
             for disc in np.flatnonzero(most).tolist():
@@ -236,7 +237,8 @@ def slipping(inertia: float, duration: float) -> tuple[float, list[float]]:
             dense_output=True,
         )
         within = np.linspace(t, solved.t[-1], 400)
-        highest = max(highest, *(spring(float(one), solved.sol(one)) for one in within))
+        states = solved.sol(within).T
+        highest = max(highest, *map(spring, within.tolist(), states))
         t, y = float(solved.t[-1]), solved.y[:, -1].copy()
         if solved.status == 1:
             when.append(t)
