@@ -1,8 +1,11 @@
 """Floors, doors, circles and lengths of the source."""
 
 import ast
+from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
+
+import pytest
 
 SOURCE = Path(__file__).parent.parent / "src" / "torsion"
 FLOORS = {
@@ -59,6 +62,13 @@ FILES = sorted(path for path in SOURCE.rglob("*.py") if path != SOURCE / "__init
 @cache
 def _tree(path: Path) -> ast.Module:
     return ast.parse(path.read_text(encoding="utf-8"))
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _trees() -> Iterator[None]:
+    """Let go of a million nodes, which every later search for garbage would visit."""
+    yield
+    _tree.cache_clear()
 
 
 @cache
