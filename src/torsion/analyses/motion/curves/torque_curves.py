@@ -251,7 +251,8 @@ def look_at(curves: Curves, progress: Progress, *, counts: bool) -> Seen:
     edges = np.searchsorted(span[order], np.arange(1, spans))
     lacking = curves.missed(time, finer) + curves.unseen(chosen.left)
     by_span = tuple(np.split(value[order], edges)) if spans else ()
-    return Seen(time, torque, *turned, tuple(ends), by_span, lacking, chosen.left)
+    angle, turning = turned
+    return Seen(time, torque, angle, turning, tuple(ends), by_span, lacking, chosen.left)
 
 
 def _choose_times(curves: Curves, time: FloatArray, *, counts: bool) -> tuple[Looked, int]:
