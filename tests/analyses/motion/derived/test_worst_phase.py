@@ -16,14 +16,14 @@ from torsion.output.chapters.motion_over_time import chapter
 def started(phase: object) -> TransientMotion:
     """A synchronous motor that pulls a train through its resonance; phase: None where it is left open."""
     start = {
-        "torque": [["0 rpm", 600.0], ["9000 rpm", 600.0]],
+        "torque": [["0 rpm", 1200.0], ["9000 rpm", 1200.0]],
         "synchronous": "1500 rpm",
         "slip_pulsation": [["0 rpm", 300.0], ["9000 rpm", 300.0]],
     }
     start |= {} if phase is None else {"phase": phase}
     parts = chain([4.0, 5.0], [3e4], ", viscous: 12")
     body = {
-        "duration": 2.3,
+        "duration": 1.15,
         "initial": "rest",
         "events": [{"at": "d1", "start": start}],
         "tolerance": 1e-5,
@@ -32,12 +32,13 @@ def started(phase: object) -> TransientMotion:
 
 
 def test_the_worst_phase_is_as_bad_as_any() -> None:
+    """The resonance is passed at a time that depends on the phase: the torque over the phase has several harmonics."""
     found = started(None)
-    peaks = np.array([started(f"{phase} deg").peak for phase in range(10, 360, 72)])
+    peaks = np.array([started(f"{phase} deg").peak for phase in range(10, 360, 25)])
     assert (found.peak >= peaks.max(axis=0)).all()
-    assert (found.peak <= 1.02 * peaks.max(axis=0)).all()
+    assert (found.peak <= 1.01 * peaks.max(axis=0)).all()
     assert (found.peak > 1.02 * peaks.min(axis=0)).all()  # it matters
-    assert 4 <= found.phases_computed <= 6
+    assert 7 <= found.phases_computed <= 10
     (phase,) = found.slip_phase
     same = started(f"{phase} rad")
     assert (same.phases_computed, same.slip_phase) == (0, ())

@@ -1,13 +1,14 @@
 """The worst of what a file leaves open: phases at which motors are switched on, senses and reclosing of short circuits.
 
-Torques are nearly linear in the cosine and the sine of the phase of a pulsation: three phases give the torque without
-pulsation and what both add at every time, and so the phases at which each span has its greatest torque. These are
-computed. Of short circuits all senses and times of reclosing are computed.
+A motion repeats itself over the phase of a pulsation: a Fourier series through equally spaced phases gives the torque at
+every time for all others, and so the phases at which each span has its greatest torque. These are computed. A pulsation
+that passes a resonance at another time for another phase has many harmonics: the phases are doubled until the series
+gives the motions of its own worst phases. Of short circuits all senses and times of reclosing are computed.
 """
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any
 
@@ -17,12 +18,18 @@ from torsion.analyses.motion.events.event_kind import Kind
 from torsion.analyses.motion.events.machine_events import FINER, WORST, ShortCircuit, Start
 from torsion.analyses.motion.events.transient_settings import TransientSettings
 from torsion.analyses.motion.transient_motion import TransientMotion
-from torsion.arrays import FloatArray, IntArray
+from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.errors import Fault, InputError, Path
 
-THREE = (0.0, 2.0 * math.pi / 3.0, 4.0 * math.pi / 3.0)
+FEWEST, MOST, MOST_OF_SWITCHING = (
+    3,
+    24,
+    6,
+)  # equally spaced phases; where laws switch no number is enough
+GRID = 180  # phases at which the series is evaluated
 ALIKE = math.radians(4.0)  # phases nearer than that are one: a cosine there is 1 to 0.25 %
 ADDS = 0.01  # of a peak: a span to which pulsation adds less has no worst phase
+KNOWN = 0.01  # of a peak: a series that errs by less at its worst phases, at any time, is known
 MOST_FAULTS = 500  # motions of one file's motion
 WORST_TIMES = 3  # faults beside whose times of reclosing the scan is finer
 
@@ -52,18 +59,35 @@ def over_phases(
 
     if not left_open:
         return [((), solve(settings))]
+    doubt = np.zeros(1)
     for number in left_open:
-        three = [run(number, phase) for phase in THREE]
-        share = _share_of_limits(limit, three[0].peak)
-        for phase in _worst_phases([motion.torque for motion in three], share):
-            run(number, phase)
+        first, count, is_known = run(number, 0.0), FEWEST, False
+        share = _share_of_limits(limit, first.peak)
+        most = MOST if first.switching is None else MOST_OF_SWITCHING
+        while not is_known:
+            series = _Series.through([run(number, phase).torque for phase in even(count)])
+            error, is_known = np.zeros(len(share)), True
+            for phase in _worst_phases(series, share):
+                torque = run(number, phase).torque
+                error = np.maximum(error, np.abs(series.at(phase) - torque).max(axis=1))
+                greatest = (np.abs(torque).max(axis=1) * share).max(initial=0.0)
+                is_known = bool((error * share).max(initial=0.0) <= KNOWN * greatest)
+                if not is_known and 2 * count <= most:
+                    break
+            if 2 * count > most:
+                doubt = np.maximum(doubt, 0.0 if is_known else error)
+                break
+            count *= 2
         peaks = {
             key: float((motion.peak * share).max(initial=0.0)) for key, motion in motions.items()
         }
         largest = max(peaks.values())
         phases = dict(next(key for key, peak in peaks.items() if peak == largest))
     worst = tuple(phases.items())
-    return [(worst, motions.pop(worst)), *motions.items()]
+    shown = motions.pop(worst)
+    if doubt.any():
+        shown = replace(shown, unresolved=shown.unresolved + doubt)
+    return [(worst, shown), *motions.items()]
 
 
 def _with_bodies(settings: TransientSettings, bodies: Mapping[int, Kind]) -> TransientSettings:
@@ -80,20 +104,46 @@ def _share_of_limits(limit: FloatArray, peak: FloatArray) -> FloatArray:
     return np.nan_to_num(1.0 / np.where(scale > 0.0, scale, np.nan))
 
 
-def _worst_phases(torque: Sequence[FloatArray], share: FloatArray) -> Iterator[float]:
-    """Phases (rad) of the greatest magnitudes of every span, from its torques (spans, samples) at THREE phases."""
-    mean = np.sum(np.array(torque), axis=0) / 3.0
-    wave = np.tensordot(2.0 / 3.0 * np.exp(1j * np.array(THREE)), np.array(torque), 1)
-    sizes = np.abs(mean) + np.abs(wave)
-    sample = sizes.argmax(axis=1)
-    rows = np.arange(len(sample))
-    peak, added, sense = sizes[rows, sample], wave[rows, sample], np.sign(mean[rows, sample])
-    phase, computed = np.mod(np.angle(sense * added), 2.0 * math.pi), list(THREE)
+@dataclass(frozen=True)
+class _Series:
+    """A Fourier series over the phase, through torques at equally spaced phases."""
+
+    count: int  # phases that it goes through, the first at 0
+    waves: ComplexArray  # (harmonics, spans, samples) N m, from the mean
+
+    @classmethod
+    def through(cls, torque: Sequence[FloatArray]) -> "_Series":
+        """Return the series through torques (spans, samples) N m."""
+        waves = np.fft.rfft(np.array(torque), axis=0) / len(torque)
+        waves[1 : (len(torque) + 1) // 2] *= 2.0
+        return cls(len(torque), waves)
+
+    def at(self, phase: float) -> FloatArray:
+        """Return the torque (spans, samples) N m at a phase (rad)."""
+        turned = np.exp(1j * phase * np.arange(len(self.waves)))
+        return np.asarray(np.tensordot(turned, self.waves, 1).real)
+
+
+def even(count: int) -> list[float]:
+    """Return equally spaced phases (rad) from 0."""
+    return [math.tau * k / count for k in range(count)]
+
+
+def _worst_phases(series: _Series, share: FloatArray) -> Iterator[float]:
+    """Phases (rad) of the greatest magnitudes of every span that are not near one that the series goes through.
+
+    At least one, so that the series is compared with a motion: else the middle between two of its phases.
+    """
+    grid, computed = even(GRID), even(series.count)
+    sizes = np.array([np.abs(series.at(phase)).max(axis=1) for phase in grid])
+    phase, peak, least = np.array(grid)[sizes.argmax(axis=0)], sizes.max(axis=0), sizes.min(axis=0)
     for span in np.argsort(-peak * share, kind="stable").tolist():
-        distances = [abs(math.remainder(phase[span] - near, 2.0 * math.pi)) for near in computed]
-        if abs(added[span]) > ADDS * peak[span] and min(distances) > ALIKE:
+        distances = [abs(math.remainder(phase[span] - near, math.tau)) for near in computed]
+        if peak[span] - least[span] > ADDS * peak[span] and min(distances) > ALIKE:
             computed.append(float(phase[span]))
             yield computed[-1]
+    if len(computed) == series.count:
+        yield math.pi / series.count
 
 
 def faults_of(settings: TransientSettings, *, scanned: bool = False) -> dict[int, ShortCircuit]:
