@@ -27,6 +27,7 @@ FEWEST, MOST, MOST_OF_SWITCHING = (
     6,
 )  # equally spaced phases; where laws switch no number is enough
 GRID = 180  # phases at which the series is evaluated
+BETWEEN = 0.382  # of the distance of two phases: where no higher harmonic has the value of the one it is taken for
 ALIKE = math.radians(4.0)  # phases nearer than that are one: a cosine there is 1 to 0.25 %
 ADDS = 0.01  # of a peak: a span to which pulsation adds less has no worst phase
 KNOWN = 0.01  # of a peak: a series that errs by less at its worst phases, at any time, is known
@@ -132,7 +133,7 @@ def even(count: int) -> list[float]:
 def _worst_phases(series: _Series, share: FloatArray) -> Iterator[float]:
     """Phases (rad) of the greatest magnitudes of every span that are not near one that the series goes through.
 
-    At least one, so that the series is compared with a motion: else the middle between two of its phases.
+    At least one, so that the series is compared with a motion: else one between two of its phases.
     """
     grid, computed = even(GRID), even(series.count)
     sizes = np.array([np.abs(series.at(phase)).max(axis=1) for phase in grid])
@@ -143,7 +144,7 @@ def _worst_phases(series: _Series, share: FloatArray) -> Iterator[float]:
             computed.append(float(phase[span]))
             yield computed[-1]
     if len(computed) == series.count:
-        yield math.pi / series.count
+        yield BETWEEN * math.tau / series.count
 
 
 def faults_of(settings: TransientSettings, *, scanned: bool = False) -> dict[int, ShortCircuit]:
