@@ -28,7 +28,7 @@ from torsion.kernels.motion.loaded_modes import LoadedModes, ModalTrain
 from torsion.kernels.motion.march import March
 from torsion.model.coupling import Coupling
 from torsion.model.disc import Disc
-from torsion.model.shaft import Shaft
+from torsion.model.shafts.shaft import Shaft
 from torsion.output.drawing.svg import svg
 from torsion.output.figures.figure import Axis, Figure, Line, Panel
 from torsion.study import Study

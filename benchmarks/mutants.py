@@ -28,9 +28,9 @@ PARTS: dict[str, tuple[str, ...]] = {  # part of src/torsion: the tests that sho
     "rules": ("tests/rules", NUMBERS, FROZEN),
     "analyses/response/synthesis.py": ("tests/analyses/response", NUMBERS, FROZEN),
     "output": (FROZEN, "tests/output"),
-    "output/scene.py": (FROZEN, "tests/output"),
-    "output/results_json.py": (FROZEN, "tests/output"),
-    "output/terminal.py": (FROZEN, "tests/output"),
+    "output/stored/scene.py": (FROZEN, "tests/output"),
+    "output/stored/results_json.py": (FROZEN, "tests/output"),
+    "output/pages/terminal.py": (FROZEN, "tests/output"),
     "output/chapters": (FROZEN, "tests/output"),
 }
 DRAWN = ("output/drawing", "output/figures")  # pictures

@@ -13,8 +13,8 @@ from torsion.assembly.junction.profile import Corner, Length, Profile
 from torsion.assembly.junction.profile_mesh import Meridian
 from torsion.assembly.junction.stepped_shafts import with_steps
 from torsion.model.component import Material
-from torsion.model.shaft import Shaft
-from torsion.model.shaft_details import Step
+from torsion.model.shafts.shaft import Shaft
+from torsion.model.shafts.shaft_details import Step
 from torsion.train import train
 
 DIAMETERS = (0.10, 0.12, 0.20, 0.14, 0.28, 0.16, 0.12, 0.10)  # m

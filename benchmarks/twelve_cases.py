@@ -16,7 +16,7 @@ import torsion
 from benchmarks.page_file import Report, verdict
 from torsion.findings import Findings
 from torsion.output.document import document
-from torsion.output.html import html
+from torsion.output.pages.html import html
 
 TIMES, BYTES = 4.0, 2_000_000  # of one case, of the page
 ONE = """name: Six cylinders, gearbox and propeller

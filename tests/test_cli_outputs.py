@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 
 from torsion.cli import app
 from torsion.errors import BAD_INPUT, FAILED_CHECK, SOLVED
-from torsion.output.stored_report import naming
+from torsion.output.stored.stored_report import naming
 
 TWO = """name: two discs
 operation: {speeds: {from: 300 rpm, to: 1800 rpm, steps: 21}, rated: {speed: 1500 rpm, power: 100 kW}}

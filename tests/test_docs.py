@@ -16,7 +16,7 @@ from torsion.cli import app
 from torsion.model import KINDS
 from torsion.model.component import Component, component_class
 from torsion.rules import RULES
-from torsion.rules.m68_shafts import DETAILS
+from torsion.rules.class_rules.m68_shafts import DETAILS
 from torsion.schema.declaration_reader import keys_of
 from torsion.schema.scene_reader import Scene
 

@@ -26,7 +26,7 @@ import torsion
 from torsion import formulas
 from torsion.model import KINDS
 from torsion.model.component import component_class
-from torsion.output.results_json import results
+from torsion.output.stored.results_json import results
 from torsion.results import is_declared, quantities
 
 

@@ -12,7 +12,7 @@ from torsion.cli import app
 from torsion.findings import UsedSource
 from torsion.output.blocks import Paragraph
 from torsion.output.chapters import chapters
-from torsion.output.results_json import text
+from torsion.output.stored.results_json import text
 from torsion.sources import SOURCES, collected, note, source
 
 ROOT = Path(__file__).parents[1]

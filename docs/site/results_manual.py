@@ -13,9 +13,9 @@ from docs.site.model_file_manual import toctree, write_pages
 
 from torsion.analyses import ANALYSES
 from torsion.findings import Plan, UsedSource
-from torsion.output import stored_report
-from torsion.output.results_json import LEGEND, LISTED
-from torsion.output.scene import Scene, SpanRow, StationRow
+from torsion.output.stored import stored_report
+from torsion.output.stored.results_json import LEGEND, LISTED
+from torsion.output.stored.scene import Scene, SpanRow, StationRow
 from torsion.results import is_list, parts, quantities
 from torsion.rules.verdict_line import Checks
 

@@ -212,7 +212,7 @@ def study(
         if json:
             typer.echo(run_time_study.json_text(findings, timings), nl=False)
         else:
-            from torsion.output.terminal import show
+            from torsion.output.pages.terminal import show
 
             folder = commands.folder_of(file, out, findings.study.case)
             show(commands.write_study(findings, timings, folder), folder)
@@ -236,7 +236,7 @@ def report(
     csv: Write values (data.zip), tables (tables.zip) and figures as CSV too.
     """
     from torsion import commands
-    from torsion.output.terminal import show
+    from torsion.output.pages.terminal import show
 
     with refusals(results):
         requested = commands.outputs(pdf=pdf, figures=csv, tables=csv)

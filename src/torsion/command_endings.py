@@ -140,11 +140,11 @@ def print_report(
             findings = solve(progress=report_progress)
         if as_json:
             from torsion.output.reports import REPORTS
-            from torsion.output.results_json import text
+            from torsion.output.stored.results_json import text
 
             typer.echo(text(findings, REPORTS[report].keys), nl=False)
         else:
-            from torsion.output.terminal import show
+            from torsion.output.pages.terminal import show
 
             folder = commands.folder_of(file, out, findings.study.case)
             document = commands.write(findings, folder, report, also=also, is_full=is_full)
@@ -165,7 +165,7 @@ def show_progress() -> "AbstractContextManager[Progress]":
     """Return a progress indicator; what draws it is loaded only where the error stream is a terminal."""
     if not sys.stderr.isatty():
         return nullcontext(lambda what, share: None)
-    from torsion.output.terminal import progress
+    from torsion.output.pages.terminal import progress
 
     return progress()
 

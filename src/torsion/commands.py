@@ -151,7 +151,7 @@ def report(
     Writes its page, and `also` those of outputs on request that it alone makes, into `out` (default: beside the
     results). The report and its folder. Raises InputError.
     """
-    from torsion.output.stored_report import file_at, opened
+    from torsion.output.stored.stored_report import file_at, opened
     from torsion.output.write import redraw
 
     source = Path(results)

@@ -221,7 +221,7 @@ class Findings(Displayed, Results):
 
     def to_dict(self) -> dict[str, Any]:
         """Return everything that results.json holds, with its keys."""
-        values: dict[str, Any] = resolve_name("torsion.output.results_json:results")(self)
+        values: dict[str, Any] = resolve_name("torsion.output.stored.results_json:results")(self)
         return values
 
     def compare(self, other: "Findings") -> Any:

@@ -15,7 +15,8 @@ from torsion.kernels.engine import crank_slider
 from torsion.kernels.engine.crank_slider import CrankSlider
 from torsion.kernels.joints import cross
 from torsion.kernels.round_sections import polar_area_moment, section_modulus
-from torsion.rules import m68_shafts, shrink_fits
+from torsion.rules.class_rules import m68_shafts
+from torsion.rules.strength import shrink_fits
 
 __all__ = [
     "cross_joint_fluctuation",

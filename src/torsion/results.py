@@ -32,7 +32,7 @@ Axes = tuple[str, ...]
 BY_UNIT = "*"
 MOST_NAMES = 12  # one after another in a sentence
 RPM = 30.0 / math.pi  # of 1 rad/s
-TO_DATAFRAME = "torsion.output.data_frames:data_frame"
+TO_DATAFRAME = "torsion.output.files.data_frames:data_frame"
 LONGEST_LINE = 200  # characters of a result where text is shown
 _SPELLED = str.maketrans({"*": "", "(": "", ")": "", "/": "_per_"})
 
@@ -159,7 +159,7 @@ class Keyed:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the result by the keys of results.json, with lists in place of arrays."""
-        columns: dict[str, Any] = resolve_name("torsion.output.data_frames:dictionary")(self)
+        columns: dict[str, Any] = resolve_name("torsion.output.files.data_frames:dictionary")(self)
         return columns
 
     def to_dataframe(self) -> Any:
@@ -171,12 +171,12 @@ class Displayed:
     """What a notebook shows as tables and a figure, and as one line where it shows text."""
 
     def __repr__(self) -> str:
-        line: str = resolve_name("torsion.output.notebook:line")(self)
+        line: str = resolve_name("torsion.output.pages.notebook:line")(self)
         return line
 
     def _repr_mimebundle_(self, include: Any = None, exclude: Any = None) -> dict[str, str]:
         """Return the line and the page; without it a notebook would keep every number of the arrays as text."""
-        shown: dict[str, str] = resolve_name("torsion.output.notebook:bundle")(self)
+        shown: dict[str, str] = resolve_name("torsion.output.pages.notebook:bundle")(self)
         return shown
 
     def _repr_html_(self) -> str:

@@ -245,10 +245,12 @@ def case_folder(name: str) -> str:
 class Variation:
     """Figures of a file that vary, and the studies of other values, as the reader of files makes them.
 
-    `torsion.schema.variation.Variation` says what each function answers.
+    `torsion.schema.variants.variation.Variation` says what each function answers.
     """
 
-    figures: Sequence[Any]  # `torsion.schema.varied_figures.Figure`: name, law, column, values
+    figures: Sequence[
+        Any
+    ]  # `torsion.schema.variants.varied_figures.Figure`: name, law, column, values
     base: "Study"  # whose figures vary
     study: "Callable[[Sequence[float]], Study]"
     stated: Callable[[int, float], tuple[str, str]]

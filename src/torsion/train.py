@@ -250,7 +250,7 @@ def _excite(build: Lowering, excitation: Excitation, path: Path) -> None:
         if not isinstance(mesh, Constraint) or mesh.name != name:
             continue
         if build.parts[mesh.part].kind == "gear":
-            from torsion.model.mesh_excitation import mesh_torque
+            from torsion.model.gears.mesh_excitation import mesh_torque
 
             if isinstance(excitation_torque := mesh_torque(excitation, mesh, path), Fault):
                 build.faults.append(excitation_torque)

@@ -11,7 +11,7 @@ from torsion.assembly.system import System
 from torsion.model.branch import Branch
 from torsion.model.coupling import Coupling
 from torsion.model.disc import Disc
-from torsion.model.gear import Gear
+from torsion.model.gears.gear import Gear
 from torsion.study import Operation, Study
 from torsion.train import train
 

@@ -11,7 +11,7 @@ from torsion.errors import SolveError
 from torsion.model.coupling import Coupling
 from torsion.model.damper import RingDamper
 from torsion.model.disc import Disc
-from torsion.model.gear import Gear
+from torsion.model.gears.gear import Gear
 from torsion.model.machine import Motor, Propeller
 from torsion.train import Link
 

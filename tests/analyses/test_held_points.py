@@ -17,7 +17,7 @@ from torsion.kernels.trees.tree_response import Status
 from torsion.model.branch import Branch
 from torsion.model.coupling import Coupling
 from torsion.model.disc import Disc
-from torsion.model.gear import Gear
+from torsion.model.gears.gear import Gear
 from torsion.model.joint import Joint
 from torsion.model.machine_torques import Excitation
 from torsion.runner import run

@@ -9,7 +9,7 @@ from torsion.analyses.undamped_modes import modes
 from torsion.assembly import assemble
 from torsion.assembly.system import System
 from torsion.model.disc import Disc
-from torsion.model.shaft import Shaft
+from torsion.model.shafts.shaft import Shaft
 from torsion.train import train
 
 COUNT = 20  # modes

@@ -14,7 +14,7 @@ from torsion.analyses.stability.stability_over_speed import Stability
 from torsion.analyses.undamped_modes import Modes
 from torsion.cli import app
 from torsion.errors import Fault, InputError, SolveError
-from torsion.output.results_json import results
+from torsion.output.stored.results_json import results
 from torsion.study import Study
 
 GEAR = """name: joints on both sides of a gear

@@ -185,7 +185,7 @@ def test_critical_speeds_move_with_their_mode_and_may_enter_the_range() -> None:
     made = done.need(Tolerances)
     assert made.critical_lower == pytest.approx(made.lower * np.pi, rel=1e-14)
     assert made.critical_upper == pytest.approx(made.upper * np.pi, rel=1e-14)
-    from torsion.output.chapters.tolerances import chapter
+    from torsion.output.chapters.modes.tolerances import chapter
 
     (row,) = next(one for one in chapter(done) if "speed range" in getattr(one, "caption", "")).rows
     assert row[0] == "671.41"

@@ -8,8 +8,8 @@ from torsion.assembly.segments import BLOCK, bar_segments
 from torsion.assembly.system import System
 from torsion.errors import InputError
 from torsion.model.disc import Disc
-from torsion.model.gear import Gear
-from torsion.model.shaft import Shaft
+from torsion.model.gears.gear import Gear
+from torsion.model.shafts.shaft import Shaft
 from torsion.train import train
 
 

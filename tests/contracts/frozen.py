@@ -19,7 +19,7 @@ from torsion.kernels.modes.natural_modes import tree_modes
 from torsion.kernels.trees.tree import Tree
 from torsion.output.document import Document, document
 from torsion.output.renderers import OUTPUTS
-from torsion.output.results_json import makers
+from torsion.output.stored.results_json import makers
 
 ROOT = Path(__file__).parents[2]
 FILE = Path(__file__).with_name("frozen_digits.json")

@@ -18,12 +18,12 @@ from torsion.analyses.motion.transient_motion import Transients
 from torsion.analyses.response.amplitudes import FrequencyResponse, Response, Synthesis
 from torsion.analyses.undamped_modes import Modes
 from torsion.kernels.trees.tree_response import Status
-from torsion.output.data_tables import report_tables as archive
 from torsion.output.figures.figure import Figure
-from torsion.output.html import html
-from torsion.output.pdf import source
+from torsion.output.files.data_tables import report_tables as archive
+from torsion.output.pages.html import html
+from torsion.output.pages.pdf import source
 from torsion.output.report_figures import csv_of
-from torsion.output.stored_report import opened, rendered
+from torsion.output.stored.stored_report import opened, rendered
 from torsion.rules.verdict_line import Checks
 from torsion.schema.json_schema import json_schema
 from torsion.schema.yaml_source import parse_source

@@ -19,8 +19,8 @@ from torsion.output import renderers
 from torsion.output.blocks import Heading, KeyValues, Table
 from torsion.output.chapters.plant import sketch
 from torsion.output.document import document
+from torsion.output.pages.terminal import show
 from torsion.output.renderers import Output
-from torsion.output.terminal import show
 from torsion.output.write import write
 from torsion.schema.json_schema import json_schema
 

@@ -20,9 +20,9 @@ CHAPTERS = [
 ]
 PLACES = [
     *(
-        f"torsion.output.chapters.{name}"
+        f"torsion.output.chapters.{name.replace('/', '.')}"
         if ":" in name
-        else f"torsion.output.chapters.{name}:chapter"
+        else f"torsion.output.chapters.{name.replace('/', '.')}:chapter"
         for name in dict.fromkeys(CHAPTERS)
     ),
     *(output.render for output in OUTPUTS.values()),

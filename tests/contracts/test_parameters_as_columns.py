@@ -14,10 +14,11 @@ import torsion
 from torsion.analyses import VARYING
 from torsion.columns import Column, NotInColumns
 from torsion.errors import InputError
-from torsion.schema import overlay, scene_reader
-from torsion.schema.train_in_columns import SECTIONS
-from torsion.schema.variation import Variation
-from torsion.schema.varied_figures import Figure
+from torsion.schema import scene_reader
+from torsion.schema.variants import overlay
+from torsion.schema.variants.train_in_columns import SECTIONS
+from torsion.schema.variants.variation import Variation
+from torsion.schema.variants.varied_figures import Figure
 from torsion.what_if.variants.laws import Law
 
 ROOT = Path(__file__).parents[2]

@@ -18,8 +18,8 @@ from tests.for_all import for_all
 import torsion
 from torsion.analyses.system_data import SystemData
 from torsion.output.blocks import Block, Table
-from torsion.output.chapters import natural_frequencies
-from torsion.output.chapters.natural_frequencies import HOLZER, SQUARE
+from torsion.output.chapters.modes import natural_frequencies
+from torsion.output.chapters.modes.natural_frequencies import HOLZER, SQUARE
 from torsion.output.numbers import number
 
 MODELS = ("lumped", "fem", "exact")

@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 import torsion
 from torsion.cli import app
 from torsion.exchange.comparison import Comparison, compare_results, read_results
-from torsion.output.results_json import text as json_text
+from torsion.output.stored.results_json import text as json_text
 
 ROOT = Path(__file__).parents[2]
 FERRY = (ROOT / "shafting_specs" / "haixun_06402.yaml").read_text(encoding="utf-8")

@@ -5,7 +5,7 @@ import pytest
 from torsion.errors import InputError
 from torsion.live.session import moved_study, shown
 from torsion.schema.scene_reader import parse, reread
-from torsion.schema.variation import Variation, movable
+from torsion.schema.variants.variation import Variation, movable
 from torsion.study import Study
 
 SCENE = """name: Antrieb Nº 1

@@ -13,7 +13,7 @@ import torsion
 from torsion.errors import InputError
 from torsion.model.machine import SEA_WATER
 from torsion.output.blocks import Paragraph
-from torsion.output.chapters import mass_elastic
+from torsion.output.chapters.modes import mass_elastic
 from torsion.output.station_layout import layout
 from torsion.schema.scene_reader import parse
 

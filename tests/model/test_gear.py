@@ -13,7 +13,7 @@ from torsion.model.branch import Branch
 from torsion.model.coupling import Coupling
 from torsion.model.damper import RingDamper
 from torsion.model.disc import Disc
-from torsion.model.gear import Gear, GearBranch
+from torsion.model.gears.gear import Gear, GearBranch
 from torsion.model.machine import Motor, Propeller
 from torsion.model.machine_torques import Excitation
 from torsion.study import Operation, Study

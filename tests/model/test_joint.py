@@ -10,7 +10,7 @@ from torsion.errors import InputError
 from torsion.model.branch import Branch
 from torsion.model.coupling import Coupling
 from torsion.model.disc import Disc
-from torsion.model.gear import Gear
+from torsion.model.gears.gear import Gear
 from torsion.model.joint import Joint
 from torsion.train import train
 

@@ -12,7 +12,7 @@ from tests.for_all import for_all
 
 import torsion
 from torsion.errors import InputError
-from torsion.model.planetary import Planetary
+from torsion.model.gears.planetary import Planetary
 
 SHAFTS = {"J1": 3.0, "J2": 40.0, "k1": 2e5, "k2": 5e6}
 MEMBERS = ("sun", "ring", "carrier")

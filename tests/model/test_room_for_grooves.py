@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from torsion.model.engine.gas_laws import GasFault, over_cycle
-from torsion.model.shaft_details import Keyway, Splines
+from torsion.model.shafts.shaft_details import Keyway, Splines
 
 OUTER = 0.1  # m
 

@@ -23,7 +23,7 @@ from torsion.output.blocks import (
 )
 from torsion.output.document import numbered
 from torsion.output.records import along
-from torsion.output.scene import NO_VALUE
+from torsion.output.stored.scene import NO_VALUE
 from torsion.results import reported, result
 
 

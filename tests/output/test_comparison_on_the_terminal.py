@@ -10,8 +10,8 @@ from rich.console import Console
 import torsion
 from torsion.analyses.compare.side_by_side import Compared
 from torsion.output.document import document
+from torsion.output.pages.terminal import show
 from torsion.output.reports import REPORTS
-from torsion.output.terminal import show
 
 SEGMENTS, COUNT = 8, 3
 SCENE = f"""

@@ -13,9 +13,9 @@ from typer.testing import CliRunner
 import torsion
 from torsion.cli import app
 from torsion.findings import Findings
-from torsion.output.data_tables import DataTable, archive, data_tables
 from torsion.output.document import document
-from torsion.output.results_json import results
+from torsion.output.files.data_tables import DataTable, archive, data_tables
+from torsion.output.stored.results_json import results
 
 TRAIN = """
 name: "=1+1"

@@ -19,9 +19,9 @@ from torsion.findings import Findings
 from torsion.output import check_words
 from torsion.output.blocks import Figure, Heading, Paragraph, Table
 from torsion.output.document import Cover, Document, Numbered, document, numbered
-from torsion.output.html import SCRIPTS, anchor, css_text, has_long_word, html
 from torsion.output.numbers import given, number, symbols
-from torsion.output.scene import elements
+from torsion.output.pages.html import SCRIPTS, anchor, css_text, has_long_word, html
+from torsion.output.stored.scene import elements
 from torsion.rules.verdict_line import WORDS, Checks
 
 VOID = {"meta", "br", "link", "img", "hr"}
@@ -65,7 +65,7 @@ def test_the_page_needs_nothing_from_elsewhere_and_runs_its_own_script_alone(pag
     assert outline.open == []
     assert outline.loads == []
     (script,) = re.findall(r"<script>(.*?)</script>", page, re.DOTALL)
-    templates = Path(torsion.__file__).parent / "output/templates"
+    templates = Path(torsion.__file__).parent / "output/pages/templates"
     whole = "\n".join((templates / name).read_text(encoding="utf-8") for name in SCRIPTS)
     assert re.sub(r"\s+", " ", script).strip() == re.sub(r"\s+", " ", whole).strip()
     assert sorted(SCRIPTS) == sorted(path.name for path in templates.glob("*.js"))

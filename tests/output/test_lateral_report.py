@@ -25,8 +25,8 @@ from torsion.output.blocks import Figure, Paragraph, Table
 from torsion.output.chapters.shaft_bending import chapter
 from torsion.output.document import document
 from torsion.output.drawing.svg import svg
-from torsion.output.results_json import results, text
-from torsion.output.terminal import screen
+from torsion.output.pages.terminal import screen
+from torsion.output.stored.results_json import results, text
 from torsion.rules.stable_motion import bending_checks
 from torsion.rules.verdict_line import Checks
 from torsion.runner import run

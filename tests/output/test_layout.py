@@ -8,8 +8,8 @@ import pytest
 import torsion
 from torsion.analyses.response.component_loads import local_maxima
 from torsion.findings import Findings
-from torsion.output.scene import elements
 from torsion.output.station_layout import label, layout
+from torsion.output.stored.scene import elements
 
 SHAFT, COUPLING, GEAR, JOINT, RIGID, ASIDE = 1.6, 1.0, 0.45, 0.8, 0.5, 0.5
 SPRING = "coupling: {stiffness: 1e3}"

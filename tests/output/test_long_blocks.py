@@ -12,10 +12,10 @@ import torsion
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Column, Figure, Paragraph, Table, Verbatim, table
 from torsion.output.chapters import plant, verdict
-from torsion.output.chapters.natural_frequencies import all_modes, appendix, chapter
-from torsion.output.data_tables import report_tables as archive
+from torsion.output.chapters.modes.natural_frequencies import all_modes, appendix, chapter
 from torsion.output.document import FIRST, GAP, LAST, MOST_LINES, MOST_ROWS, document, shortened
-from torsion.output.html import html
+from torsion.output.files.data_tables import report_tables as archive
+from torsion.output.pages.html import html
 from torsion.output.write import write
 from torsion.results import listed
 

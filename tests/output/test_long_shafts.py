@@ -12,10 +12,10 @@ from torsion.analyses.modes.holzer import holzer
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.output.blocks import Figure, Table
-from torsion.output.chapters.natural_frequencies import appendix, chapter
+from torsion.output.chapters.modes.natural_frequencies import appendix, chapter
 from torsion.output.document import document
-from torsion.output.html import html
-from torsion.output.results_json import text
+from torsion.output.pages.html import html
+from torsion.output.stored.results_json import text
 
 SCENE = """
 name: two long shafts

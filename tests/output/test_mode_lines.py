@@ -12,7 +12,7 @@ from torsion.analyses.undamped_modes import Modes
 from torsion.cli import app
 from torsion.findings import Findings
 from torsion.output.document import document
-from torsion.output.mode_lines import vtu
+from torsion.output.files.mode_lines import vtu
 
 TAPERED = """name: tapered shaft
 analyses: {modes: {count: 2}}

@@ -18,17 +18,17 @@ from torsion.analyses.stability.unstable_ranges import UnstableRange
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Box, Figure, Paragraph, Table
 from torsion.output.chapters import closing, verdict
-from torsion.output.chapters import critical_speeds as critical
-from torsion.output.chapters import exact_response as periodic
-from torsion.output.chapters import forced_response as response
 from torsion.output.chapters import stability_ranges as stability
-from torsion.output.chapters.exact_response import first_order_judged
+from torsion.output.chapters.modes import critical_speeds as critical
+from torsion.output.chapters.response import exact_response as periodic
+from torsion.output.chapters.response import forced_response as response
+from torsion.output.chapters.response.exact_response import first_order_judged
 from torsion.output.chapters.stability_ranges import words
 from torsion.output.document import document
 from torsion.output.drawing.svg import svg
 from torsion.output.numbers import NONE, RPM, rpm
-from torsion.output.results_json import results
-from torsion.output.terminal import show
+from torsion.output.pages.terminal import show
+from torsion.output.stored.results_json import results
 from torsion.rules.stable_motion import stability_check
 from torsion.rules.verdict_line import Checks
 

@@ -10,8 +10,8 @@ import torsion
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
-from torsion.output import notebook
 from torsion.output.numbers import RPM, number
+from torsion.output.pages import notebook
 from torsion.rules.verdict_line import Checks
 
 KINDS = ("findings", "modes", "response")

@@ -17,8 +17,8 @@ from torsion.findings import Findings
 from torsion.output.blocks import Table
 from torsion.output.chapters import chapters
 from torsion.output.document import document
-from torsion.output.results_json import results
-from torsion.output.terminal import show
+from torsion.output.pages.terminal import show
+from torsion.output.stored.results_json import results
 
 J1, J2, STIFFNESS, VISCOUS = 2.0, 3.0, 120.0, 0.8
 SPEED = np.linspace(3.0, 15.0, 12_001)  # rad/s

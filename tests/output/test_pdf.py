@@ -19,7 +19,7 @@ from torsion.output.blocks import (
     Verbatim,
 )
 from torsion.output.document import Cover, Document, numbered
-from torsion.output.pdf import pdf, text, words
+from torsion.output.pages.pdf import pdf, text, words
 
 
 def made(*blocks: Block) -> Document:
@@ -122,9 +122,9 @@ def test_every_figure_is_drawn_in_a_file_of_its_own(source, bare) -> None:
 
 def test_no_number_of_a_wide_table_is_wider_than_its_column(tmp_path: Path) -> None:
     columns = (Column("Station", align="left"), *(Column(f"torque {k}", "N m") for k in range(10)))
-    style = (Path(torsion.__file__).parent / "output" / "templates" / "report.typ").read_text(
-        encoding="utf-8"
-    )
+    style = (
+        Path(torsion.__file__).parent / "output" / "pages" / "templates" / "report.typ"
+    ).read_text(encoding="utf-8")
     helper = style[style.index("#let widest(") : style.index("#let drawing(")]
     source = tmp_path / "wide.typ"
     source.write_text(

@@ -10,8 +10,8 @@ from tests.for_all import for_all
 
 import torsion
 from torsion.kernels.trees.tree_response import Status
-from torsion.output.results_json import finite, numbers, plain
-from torsion.output.scene import Selection
+from torsion.output.stored.results_json import finite, numbers, plain
+from torsion.output.stored.scene import Selection
 
 TRAIN = "name: x\ntrain: [disc: {inertia: 2}, coupling: {stiffness: 120}, disc: {inertia: 3}]\n"
 

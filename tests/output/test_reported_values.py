@@ -15,7 +15,7 @@ from torsion.analyses.stability.unstable_ranges import UnstableRange
 from torsion.findings import Findings
 from torsion.kernels.trees.tree_response import Status
 from torsion.output import reported_values as reported
-from torsion.output.scene import elements
+from torsion.output.stored.scene import elements
 from torsion.rules.verdict_line import BarredRange, Check, Checks
 
 TRAIN = """

@@ -8,7 +8,7 @@ import pytest
 from docs.site import results_manual
 from docs.site.results_manual import documented
 
-from torsion.output.results_json import LEGEND
+from torsion.output.stored.results_json import LEGEND
 
 FOLDER = Path(__file__).parents[2] / "docs" / "reference" / "results"
 

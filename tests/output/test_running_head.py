@@ -12,8 +12,8 @@ from tests.schema.test_front_matter import PNG
 
 import torsion
 from torsion.output.document import Document, document
-from torsion.output.html import html
-from torsion.output.pdf import pdf
+from torsion.output.pages.html import html
+from torsion.output.pages.pdf import pdf
 
 CHROMIUM, READER = (
     shutil.which("chromium") or shutil.which("google-chrome"),

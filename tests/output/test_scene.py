@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 import torsion
-from torsion.output.results_json import results
+from torsion.output.stored.results_json import results
 
 TEXT = """
 name: geared

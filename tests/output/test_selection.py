@@ -12,7 +12,7 @@ from torsion.output.blocks import Heading, Table
 from torsion.output.chapters.declared_results import chapter
 from torsion.output.numbers import Scale
 from torsion.output.reported_values import barred
-from torsion.output.scene import (
+from torsion.output.stored.scene import (
     Selection,
     damps,
     elements,

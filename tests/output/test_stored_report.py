@@ -15,10 +15,10 @@ from tests.for_all import for_all
 import torsion
 from torsion.findings import Findings
 from torsion.output.document import Cover, Document, document
-from torsion.output.html import html
+from torsion.output.pages.html import html
 from torsion.output.reports import REPORTS
-from torsion.output.stored_data import BY_NAME, Arrays, StoredFloats, plain, restored
-from torsion.output.stored_report import NAMED_CLASSES, _checksum, opened, stored
+from torsion.output.stored.stored_data import BY_NAME, Arrays, StoredFloats, plain, restored
+from torsion.output.stored.stored_report import NAMED_CLASSES, _checksum, opened, stored
 from torsion.output.write import redraw
 
 

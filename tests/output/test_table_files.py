@@ -11,8 +11,8 @@ from tests.contracts.frozen import solved
 import torsion
 from torsion.output.blocks import Table, table
 from torsion.output.chapters import chapters
-from torsion.output.data_tables import report_tables as archive
 from torsion.output.document import document
+from torsion.output.files.data_tables import report_tables as archive
 from torsion.output.numbers import number
 from torsion.output.table_text import figures, one_line, table_text
 from torsion.output.write import write

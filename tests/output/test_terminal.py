@@ -14,7 +14,7 @@ from torsion.output.blocks import Block, Column, Heading, Paragraph, Points, Tab
 from torsion.output.check_words import rank
 from torsion.output.document import Cover, Document, document, numbered
 from torsion.output.numbers import number
-from torsion.output.terminal import progress, screen, show, summary
+from torsion.output.pages.terminal import progress, screen, show, summary
 from torsion.rules.verdict_line import Checks
 
 COLUMNS = (

@@ -11,7 +11,7 @@ from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.output.document import document
 from torsion.output.numbers import number, rpm
-from torsion.output.terminal import progress, show
+from torsion.output.pages.terminal import progress, show
 from torsion.rules.verdict_line import WORDS, Checks
 
 

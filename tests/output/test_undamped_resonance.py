@@ -13,8 +13,8 @@ from torsion.kernels.trees.tree_response import Status
 from torsion.output.blocks import Paragraph, Table
 from torsion.output.document import document
 from torsion.output.figures.curves import unanswered
-from torsion.output.results_json import results
-from torsion.output.scene import NO_VALUE
+from torsion.output.stored.results_json import results
+from torsion.output.stored.scene import NO_VALUE
 from torsion.rules.verdict_line import Checks
 
 SCENE = """

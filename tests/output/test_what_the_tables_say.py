@@ -11,10 +11,11 @@ from torsion.analyses.system_data import SystemData
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Table
-from torsion.output.chapters import chapters, component_loads
+from torsion.output.chapters import chapters
 from torsion.output.chapters.joint_motion import in_short
-from torsion.output.chapters.natural_frequencies import holzer_tables
-from torsion.output.scene import elements
+from torsion.output.chapters.modes.natural_frequencies import holzer_tables
+from torsion.output.chapters.response import component_loads
+from torsion.output.stored.scene import elements
 from torsion.rules.verdict_line import Checks
 
 GEARED = """

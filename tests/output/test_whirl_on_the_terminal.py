@@ -7,7 +7,7 @@ from rich.console import Console
 
 import torsion
 from torsion.output.document import document
-from torsion.output.terminal import show
+from torsion.output.pages.terminal import show
 
 SCENE = """
 name: Cardan shaft

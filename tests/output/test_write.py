@@ -8,9 +8,9 @@ import pytest
 
 from torsion.errors import Fault, InputError
 from torsion.findings import Findings
-from torsion.output import html, pdf
-from torsion.output import stored_report as json
-from torsion.output.stored_report import naming
+from torsion.output.pages import html, pdf
+from torsion.output.stored import stored_report as json
+from torsion.output.stored.stored_report import naming
 from torsion.output.write import write, write_texts
 
 

@@ -13,8 +13,8 @@ from torsion.analyses.stability.unstable_ranges import UnstableRange
 from torsion.findings import Findings
 from torsion.output.blocks import Table
 from torsion.output.chapters.verdict import barred_ranges
-from torsion.output.results_json import results
-from torsion.rules.barred_time import barred_times, within
+from torsion.output.stored.results_json import results
+from torsion.rules.class_rules.barred_time import barred_times, within
 from torsion.rules.stable_motion import StableMotion
 from torsion.rules.verdict_line import Check, Checks
 

@@ -15,7 +15,7 @@ from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.response.component_loads import harmonic_heat
 from torsion.findings import Findings
 from torsion.output.blocks import Table
-from torsion.output.chapters.component_loads import couplings
+from torsion.output.chapters.response.component_loads import couplings
 from torsion.rules.verdict_line import Check, Checks
 
 

@@ -10,7 +10,7 @@ from tests.for_all import for_all
 import torsion
 from torsion.output.headline import headline
 from torsion.rules import rule
-from torsion.rules.m68_shafts import tau_c
+from torsion.rules.class_rules.m68_shafts import tau_c
 from torsion.rules.verdict_line import Checks
 
 SHIP = """

@@ -4,7 +4,7 @@ import pytest
 
 import torsion
 from torsion.rules.verdict_line import Checks
-from torsion.schema.cases import states_of_cases
+from torsion.schema.variants.cases import states_of_cases
 
 SCENE = """
 name: n

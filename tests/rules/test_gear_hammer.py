@@ -7,7 +7,7 @@ import pytest
 
 from torsion.analyses.response.amplitudes import Response
 from torsion.findings import Results
-from torsion.rules import gear_hammer as gear
+from torsion.rules.strength import gear_hammer as gear
 
 RPM = math.pi / 30.0
 

@@ -8,8 +8,7 @@ import pytest
 import torsion
 from torsion.analyses.response.grid import apart
 from torsion.rules import coupling_maker as coupling
-from torsion.rules import gear_hammer as gear
-from torsion.rules import m68
+from torsion.rules.class_rules import m68
 from torsion.rules.rule_over_speed import (
     FEWEST_JUDGED,
     Curve,
@@ -17,6 +16,7 @@ from torsion.rules.rule_over_speed import (
     judged_speeds,
     speeds_between,
 )
+from torsion.rules.strength import gear_hammer as gear
 from torsion.study import Operation
 
 RPM = math.pi / 30.0

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from torsion.model.component import Material
-from torsion.rules import lacking, m53_settings, settings, verdicts
-from torsion.rules.m53_settings import Throw
+from torsion.rules import lacking, settings, verdicts
+from torsion.rules.class_rules import m53_settings
+from torsion.rules.class_rules.m53_settings import Throw
 
 THROW = Throw(200, 200, 12, 12, 70, 260, 140, 20)  # mm
 W_P = math.pi / 16 * 0.2**3

@@ -11,7 +11,7 @@ import torsion
 from torsion.errors import InputError
 from torsion.model.component import Material
 from torsion.rules import lacking, settings, verdicts
-from torsion.rules.m53 import M53Settings
+from torsion.rules.class_rules.m53 import M53Settings
 from torsion.rules.verdict_line import Check, Checks
 
 GIVEN = {

@@ -8,9 +8,9 @@ import pytest
 from typer.testing import CliRunner
 
 from torsion.cli import app
-from torsion.rules import m53_settings as factors
-from torsion.rules.m53 import M53Settings, _places
-from torsion.rules.m53_settings import Throw
+from torsion.rules.class_rules import m53_settings as factors
+from torsion.rules.class_rules.m53 import M53Settings, _places
+from torsion.rules.class_rules.m53_settings import Throw
 
 VECTORS = json.loads((Path(__file__).parent / "rules_oracles.json").read_text(encoding="utf-8"))[
     "vectors"

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from torsion.model.component import STEEL, Material
-from torsion.rules import m68
-from torsion.rules.m68_shafts import least_diameter, tau_c, tau_t
-from torsion.rules.shaft_limits import barred_range, limits_of
+from torsion.rules.class_rules import m68
+from torsion.rules.class_rules.m68_shafts import least_diameter, tau_c, tau_t
+from torsion.rules.class_rules.shaft_limits import barred_range, limits_of
 
 RPM = math.pi / 30.0
 RATED = 1000.0

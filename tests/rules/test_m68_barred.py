@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from tests.for_all import for_all
 
+from torsion.rules.class_rules.shaft_limits import barred_range, barring
 from torsion.rules.rule_over_speed import Curve
-from torsion.rules.shaft_limits import barred_range, barring
 
 RATED = 1000.0
 SPEED = np.linspace(100, 1050, 96)  # steps of 10; any unit of speed

@@ -4,9 +4,9 @@ import pytest
 
 import torsion
 from torsion.errors import InputError
-from torsion.rules.m53 import M53Settings
+from torsion.rules.class_rules.m53 import M53Settings
 from torsion.rules.verdict_line import Checks
-from torsion.schema.cases import states_of_cases
+from torsion.schema.variants.cases import states_of_cases
 
 TRAIN = """
 name: line

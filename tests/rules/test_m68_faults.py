@@ -1,8 +1,8 @@
 """What a file lacks for `iacs-m68`, stated where it stands."""
 
 from torsion.model.component import STEEL, Material
-from torsion.rules import m68
-from torsion.rules.m68_shafts import classed_shafts
+from torsion.rules.class_rules import m68
+from torsion.rules.class_rules.m68_shafts import classed_shafts
 
 BLADES = [{"blade_order": 1, "torque": 10.0}]
 SCREW = (

@@ -9,8 +9,8 @@ from tests.rules.conftest import STEEL_600
 
 from torsion.assembly import assemble
 from torsion.model.component import Material
-from torsion.rules import m68_shafts as m68
-from torsion.rules.shaft_limits import stress_modulus, with_role
+from torsion.rules.class_rules import m68_shafts as m68
+from torsion.rules.class_rules.shaft_limits import stress_modulus, with_role
 
 
 def slotted(study, diameter, bore, **settings):

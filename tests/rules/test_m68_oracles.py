@@ -12,8 +12,8 @@ from typer.testing import CliRunner
 import torsion
 from torsion.cli import app
 from torsion.output.headline import headline
-from torsion.rules import m68, society_limits
-from torsion.rules.m68_shafts import (
+from torsion.rules.class_rules import m68, society_limits
+from torsion.rules.class_rules.m68_shafts import (
     SLOT_FACTOR,
     least_diameter,
     size_factor,
@@ -22,8 +22,8 @@ from torsion.rules.m68_shafts import (
     tau_t,
     used_strength,
 )
+from torsion.rules.class_rules.shaft_limits import barred_range, barring
 from torsion.rules.rule_over_speed import Curve, full_torque
-from torsion.rules.shaft_limits import barred_range, barring
 from torsion.rules.verdict_line import Checks
 
 RPM = math.pi / 30.0

@@ -7,9 +7,9 @@ import pytest
 from pydantic import ValidationError
 from tests.for_all import for_all
 
-from torsion.model.shaft import Feature
-from torsion.rules import m68_shafts as m68
-from torsion.rules import shaft_limits
+from torsion.model.shafts.shaft import Feature
+from torsion.rules.class_rules import m68_shafts as m68
+from torsion.rules.class_rules import shaft_limits
 from torsion.rules.rule_over_speed import Curve
 
 VECTORS = [  # sigma_B, d, C_K, lambda, C_D, tau_C, tau_T

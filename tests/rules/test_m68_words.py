@@ -8,9 +8,9 @@ import pytest
 from tests.for_all import for_all
 from tests.rules.conftest import RPM
 
-from torsion.rules import m68
+from torsion.rules.class_rules import m68
+from torsion.rules.class_rules.m68_shafts import least_diameter, tau_c, tau_t
 from torsion.rules.coupling_maker import CouplingSettings
-from torsion.rules.m68_shafts import least_diameter, tau_c, tau_t
 
 BLADES = [{"blade_order": 1, "torque": 10.0}]
 W_P = math.pi / 16 * 0.1**3  # m3, of a solid shaft of 100 mm

@@ -12,8 +12,8 @@ from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.response.harmonic_components import Line
 from torsion.analyses.steady import Steady
 from torsion.rules.coupling_maker import CouplingMaker, CouplingSettings
-from torsion.rules.gear_hammer import GearHammer, GearHammerSettings
 from torsion.rules.rule_over_speed import full_torque
+from torsion.rules.strength.gear_hammer import GearHammer, GearHammerSettings
 
 VECTORS = {
     vector["id"]: vector

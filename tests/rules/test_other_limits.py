@@ -10,7 +10,7 @@ from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.response.synthesis import half_range
 from torsion.model.parts import ShaftRecord
 from torsion.rules import lacking, not_judged, rule, settings, verdicts
-from torsion.rules.shaft_limits import nominal_stress, with_role
+from torsion.rules.class_rules.shaft_limits import nominal_stress, with_role
 
 RPM = math.pi / 30.0
 W_P = math.pi / 16 * 0.1**3  # m3, of a solid shaft of 100 mm

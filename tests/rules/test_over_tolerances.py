@@ -8,7 +8,7 @@ from tests.contracts.frozen import SCENES, solved
 import torsion
 from torsion.analyses.critical import CriticalSpeeds
 from torsion.findings import Findings
-from torsion.rules.shaft_limits import barred_range
+from torsion.rules.class_rules.shaft_limits import barred_range
 from torsion.rules.verdict_line import BarredRange, Checks
 
 RPM = 30.0 / math.pi

@@ -8,7 +8,7 @@ import torsion
 from torsion.output import check_words
 from torsion.output.chapters import verdict
 from torsion.output.headline import headline
-from torsion.output.results_json import results
+from torsion.output.stored.results_json import results
 from torsion.rules.demands import with_reach
 from torsion.rules.verdict_line import Check, Checks
 

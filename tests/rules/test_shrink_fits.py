@@ -9,7 +9,7 @@ from scipy.integrate import dblquad
 import torsion
 from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.errors import InputError
-from torsion.rules.shrink_fits import slip_torque
+from torsion.rules.strength.shrink_fits import slip_torque
 from torsion.rules.verdict_line import Checks
 from torsion.schema.scene_reader import parse
 

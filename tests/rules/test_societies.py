@@ -8,8 +8,8 @@ from tests.for_all import for_all
 
 from torsion.model.component import Material
 from torsion.rules import lacking, not_judged, rule, settings, verdicts
+from torsion.rules.class_rules.m68_shafts import tau_c
 from torsion.rules.demands import demanded_study
-from torsion.rules.m68_shafts import tau_c
 
 RPM = math.pi / 30.0
 W_P = math.pi / 16 * 0.1**3  # m3, of a solid shaft of 100 mm

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from torsion.rules.m68_shafts import tau_c, tau_t
-from torsion.rules.society_limits import (
+from torsion.rules.class_rules.m68_shafts import tau_c, tau_t
+from torsion.rules.class_rules.society_limits import (
     CCS_CRANK,
     KR_IN_LINE,
     KR_OTHER,

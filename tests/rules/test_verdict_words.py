@@ -12,8 +12,8 @@ from tests.for_all import for_all
 import torsion
 from torsion.output.document import document
 from torsion.output.headline import headline
-from torsion.output.html import html
-from torsion.output.notebook import bundle
+from torsion.output.pages.html import html
+from torsion.output.pages.notebook import bundle
 from torsion.rules.verdict_line import WORDS, Check, Checks, Verdict, worst_verdict
 
 VECTORS = json.loads((Path(__file__).parent / "rules_oracles.json").read_text(encoding="utf-8"))[

@@ -12,7 +12,7 @@ import torsion
 from torsion.analyses.engine.engine_results import Engines
 from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.findings import Findings
-from torsion.output.chapters.crank_machines import states
+from torsion.output.chapters.response.crank_machines import states
 from torsion.output.headline import worst_line
 from torsion.rules.verdict_line import Checks
 

@@ -16,9 +16,9 @@ import torsion
 from torsion.analyses.undamped_modes import ModesSettings
 from torsion.errors import InputError
 from torsion.findings import NORMAL, Findings
-from torsion.output.results_json import results
-from torsion.schema.cases import _effect, _is_same
-from torsion.schema.overlay import multiplied
+from torsion.output.stored.results_json import results
+from torsion.schema.variants.cases import _effect, _is_same
+from torsion.schema.variants.overlay import multiplied
 from torsion.study import Study
 
 FERRY = (Path(__file__).parents[2] / "shafting_specs" / "ferry_cases.yaml").read_text(

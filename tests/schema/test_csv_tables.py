@@ -21,7 +21,7 @@ from torsion.errors import Fault, InputError
 from torsion.findings import Findings
 from torsion.output.blocks import Paragraph, Verbatim
 from torsion.output.chapters.closing import input_file
-from torsion.output.results_json import results
+from torsion.output.stored.results_json import results
 from torsion.schema.scene_reader import located
 from torsion.schema.scene_tables import with_tables
 from torsion.schema.table_rows import MAPPINGS, PAIRS

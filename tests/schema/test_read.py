@@ -217,8 +217,8 @@ def test_reading_imports_only_the_kinds_that_the_file_names():
     code = (
         "import sys, torsion.schema.scene_reader as reader\n"
         f"reader.parse({TWO!r})\n"
-        "named = ('pint', 'matplotlib', 'jinja2', 'torsion.model.joint', 'torsion.model.gear',"
-        " 'torsion.model.shaft', 'torsion.kernels.joints.cross', 'torsion.rules.m68',"
+        "named = ('pint', 'matplotlib', 'jinja2', 'torsion.model.joint', 'torsion.model.gears.gear',"
+        " 'torsion.model.shafts.shaft', 'torsion.kernels.joints.cross', 'torsion.rules.class_rules.m68',"
         " 'torsion.analyses.response.over_speed')\n"
         "print([name for name in named if name in sys.modules])\n"
     )

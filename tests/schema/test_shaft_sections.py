@@ -12,8 +12,8 @@ from torsion.analyses.undamped_modes import modes
 from torsion.assembly import assemble
 from torsion.errors import InputError
 from torsion.output.blocks import Table
-from torsion.output.chapters.component_loads import shafts
 from torsion.output.chapters.plant import _links
+from torsion.output.chapters.response.component_loads import shafts
 from torsion.rules.verdict_line import Checks
 from torsion.runner import run
 from torsion.schema.json_schema import json_schema

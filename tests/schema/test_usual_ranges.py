@@ -14,10 +14,10 @@ from torsion.model import KINDS
 from torsion.model.component import Material, component_class
 from torsion.model.coupling import Coupling
 from torsion.model.disc import Disc
+from torsion.model.gears.planetary import Planetary
 from torsion.model.machine import Propeller
 from torsion.model.machine_torques import Excitation
-from torsion.model.planetary import Planetary
-from torsion.model.shaft import Shaft
+from torsion.model.shafts.shaft import Shaft
 from torsion.schema.json_schema import json_schema
 from torsion.schema.scene_reader import parse
 from torsion.units import USUAL

@@ -15,7 +15,7 @@ import torsion
 from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
-from torsion.output.results_json import results
+from torsion.output.stored.results_json import results
 
 FOLDER = Path(__file__).parent
 PAGE = FOLDER.parents[1] / "docs" / "validation" / "index.md"

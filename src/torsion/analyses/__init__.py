@@ -78,7 +78,7 @@ ANALYSES: dict[str, Analysis] = {
         needs=("assembly",),
         results={"modes": "torsion.analyses.undamped_modes:Modes"},
         wanted=True,
-        chapters=("natural_frequencies",),
+        chapters=("modes/natural_frequencies",),
     ),
     "sharp steps": Analysis(
         "steps between shafts",
@@ -86,7 +86,7 @@ ANALYSES: dict[str, Analysis] = {
         "run_steps",
         needs=("modes",),
         results={"sharp_steps": "SharpSteps"},
-        chapters=("natural_frequencies",),
+        chapters=("modes/natural_frequencies",),
         place=("steps",),
         wanted=lambda study: study.train.has_corners,
     ),
@@ -96,7 +96,7 @@ ANALYSES: dict[str, Analysis] = {
         "run_hubs",
         needs=("modes",),
         results={"hubs": "HubMoves"},
-        chapters=("natural_frequencies",),
+        chapters=("modes/natural_frequencies",),
         place=("train",),
         wanted=lambda study: study.train.has_hubs,
     ),
@@ -107,7 +107,7 @@ ANALYSES: dict[str, Analysis] = {
         results={"damped_modes": "DampedModes"},
         wanted=True,
         lacks="torsion.analyses.discretisation:no_damped_modes",
-        chapters=("natural_frequencies",),
+        chapters=("modes/natural_frequencies",),
         place=("analyses", "modes", "damped"),
     ),
     "dampers": Analysis(
@@ -115,7 +115,7 @@ ANALYSES: dict[str, Analysis] = {
         "torsion.analyses.modes.damper_optimum",
         needs=("modes",),
         results={"dampers": "Dampers"},
-        chapters=("couplings:dampers",),
+        chapters=("response/couplings:dampers",),
         wanted=lambda study: any(part.kind == "damper" for part in study.train.parts),
         place=("train",),
     ),
@@ -124,7 +124,7 @@ ANALYSES: dict[str, Analysis] = {
         "torsion.analyses.modes.coupling_tables",
         needs=("modes",),
         results={"coupling_tables": "CouplingTables"},
-        chapters=("couplings:input_and_modes",),
+        chapters=("response/couplings:input_and_modes",),
         place=("train",),
         wanted=lambda study: (
             study.train.has_tables_over("frequency") or study.train.has_tables_over("mean torque")
@@ -135,7 +135,7 @@ ANALYSES: dict[str, Analysis] = {
         "torsion.analyses.modes.frequencies_by_torque",
         needs=("couplings by table",),
         results={"frequencies_over_speed": "FrequenciesOverSpeed"},
-        chapters=("couplings:frequencies",),
+        chapters=("response/couplings:frequencies",),
         wanted=lambda study: study.train.follows_speed,
         place=("train",),
     ),
@@ -146,7 +146,7 @@ ANALYSES: dict[str, Analysis] = {
         results={"mean": "Steady", "machines": "PowerBalance", "mean_loads": "MeanLoads"},
         wanted=True,
         lacks="torsion.analyses.discretisation:no_mean_torque",
-        chapters=("mean_torques",),
+        chapters=("response/mean_torques",),
         place=("operation",),
     ),
     "slopes": Analysis(
@@ -163,7 +163,7 @@ ANALYSES: dict[str, Analysis] = {
         needs=("steady",),
         results={"system_data": "SystemData"},
         wanted=True,
-        chapters=("mass_elastic",),
+        chapters=("modes/mass_elastic",),
         place=("train",),
     ),
     "tooth forces": Analysis(
@@ -172,7 +172,7 @@ ANALYSES: dict[str, Analysis] = {
         needs=("steady",),
         results={"tooth_forces": "ToothForces"},
         wanted=lambda study: any(mesh.toothing is not None for mesh in study.train.constraints),
-        chapters=("mass_elastic",),
+        chapters=("modes/mass_elastic",),
         place=("operation", "rated"),
     ),
     "response": Analysis(
@@ -187,10 +187,10 @@ ANALYSES: dict[str, Analysis] = {
         wanted=True,
         lacks="torsion.analyses.discretisation:no_response",
         chapters=(
-            "forced_response",
-            "component_loads:shafts",
-            "component_loads:gears",
-            "component_loads:couplings",
+            "response/forced_response",
+            "response/component_loads:shafts",
+            "response/component_loads:gears",
+            "response/component_loads:couplings",
         ),
     ),
     "fillets": Analysis(
@@ -203,7 +203,7 @@ ANALYSES: dict[str, Analysis] = {
             for part in study.train.parts
             if part.shaft is not None
         ),
-        chapters=("natural_frequencies:fillets",),
+        chapters=("modes/natural_frequencies:fillets",),
         place=("train",),
     ),
     "pendulums": Analysis(
@@ -211,7 +211,7 @@ ANALYSES: dict[str, Analysis] = {
         "torsion.analyses.response.pendulums",
         needs=("modes", "response"),
         results={"pendulums": "Pendulums"},
-        chapters=("couplings:pendulums",),
+        chapters=("response/couplings:pendulums",),
         place=("train",),
         wanted=lambda study: any(part.pendulum is not None for part in study.train.parts),
     ),
@@ -220,7 +220,7 @@ ANALYSES: dict[str, Analysis] = {
         "torsion.analyses.response.coupling_temperatures",
         needs=("response",),
         results={"coupling_temperatures": "CouplingTemperatures"},
-        chapters=("couplings:temperatures",),
+        chapters=("response/couplings:temperatures",),
         wanted=lambda study: any(part.warming is not None for part in study.train.parts),
         place=("train",),
     ),
@@ -229,7 +229,7 @@ ANALYSES: dict[str, Analysis] = {
         "torsion.analyses.response.vibratory_couplings",
         needs=("response",),
         results={"vibratory_torques": "VibratoryTorques"},
-        chapters=("couplings:vibratory_torques",),
+        chapters=("response/couplings:vibratory_torques",),
         wanted=lambda study: study.train.has_tables_over("vibratory torque"),
         place=("train",),
     ),
@@ -247,7 +247,7 @@ ANALYSES: dict[str, Analysis] = {
         wanted=lambda study: (
             study.has_joints or study.setting("analyses", "response", "method") is not None
         ),
-        chapters=("exact_response",),
+        chapters=("response/exact_response",),
         place=("analyses", "response", "method"),
     ),
     "stability": Analysis(
@@ -277,7 +277,7 @@ ANALYSES: dict[str, Analysis] = {
             "nonlinear_peaks": "torsion.analyses.motion.derived.nonlinear_peaks:NonlinearPeaks"
         },
         wanted=lambda study: study.train.has_nonlinear_couplings,
-        chapters=("couplings:nonlinear_at_peaks",),
+        chapters=("response/couplings:nonlinear_at_peaks",),
         place=("analyses", "response"),
     ),
     "component loads": Analysis(
@@ -286,7 +286,7 @@ ANALYSES: dict[str, Analysis] = {
         needs=("response", "nonlinear peaks"),
         results={"component_loads": "ComponentLoads"},
         wanted=lambda study: study.excites,
-        chapters=("component_loads:gears", "component_loads:couplings"),
+        chapters=("response/component_loads:gears", "response/component_loads:couplings"),
         place=("analyses", "response"),
     ),
     "frequency response": Analysis(
@@ -295,7 +295,7 @@ ANALYSES: dict[str, Analysis] = {
         needs=("steady",),
         results={"frequency_response": "FrequencyResponse"},
         wanted=lambda study: study.setting("analyses", "response", "frequencies") is not None,
-        chapters=("forced_response:over_frequency",),
+        chapters=("response/forced_response:over_frequency",),
         place=("analyses", "response", "frequencies"),
     ),
     "critical": Analysis(
@@ -304,7 +304,7 @@ ANALYSES: dict[str, Analysis] = {
         needs=("modes", "frequencies over speed"),
         results={"critical_speeds": "CriticalSpeeds"},
         wanted=True,
-        chapters=("critical_speeds",),
+        chapters=("modes/critical_speeds",),
     ),
     "tolerances": Analysis(
         "bands of the natural frequencies",
@@ -312,7 +312,7 @@ ANALYSES: dict[str, Analysis] = {
         settings="TolerancesSettings",
         needs=("critical",),
         results={"tolerances": "Tolerances"},
-        chapters=("tolerances",),
+        chapters=("modes/tolerances",),
         wanted=lambda study: study.has_tolerances,
     ),
     "joints": Analysis(
@@ -339,7 +339,7 @@ ANALYSES: dict[str, Analysis] = {
         needs=("response", "damped"),
         results={"engines": "torsion.analyses.engine.engine_results:Engines"},
         wanted=lambda study: any(part.engine is not None for part in study.train.parts),
-        chapters=("crank_machines:engines",),
+        chapters=("response/crank_machines:engines",),
         place=("train",),
     ),
     "compressor": Analysis(
@@ -348,7 +348,7 @@ ANALYSES: dict[str, Analysis] = {
         needs=("response", "damped"),
         results={"compressors": "Compressors"},
         wanted=lambda study: any(part.compressor is not None for part in study.train.parts),
-        chapters=("crank_machines:compressors",),
+        chapters=("response/crank_machines:compressors",),
         place=("train",),
     ),
     "transient": Analysis(
@@ -366,7 +366,7 @@ ANALYSES: dict[str, Analysis] = {
         settings="torsion.what_if.sweep.sweep_settings:SweepSettings",
         needs=("modes",),
         results={"sweep": "torsion.what_if.sweep.sweep_results:Sweep"},
-        chapters=("sweep",),
+        chapters=("what_if/sweep",),
     ),
     "design": Analysis(
         "design",
@@ -374,7 +374,7 @@ ANALYSES: dict[str, Analysis] = {
         settings="torsion.what_if.design.design_settings:DesignSettings",
         needs=("modes", "sweep"),
         results={"design": "torsion.what_if.design.design_results:Design"},
-        chapters=("design",),
+        chapters=("what_if/design",),
     ),
     "fit": Analysis(
         "fit to measurements",
@@ -382,7 +382,7 @@ ANALYSES: dict[str, Analysis] = {
         settings="torsion.what_if.fit.fit_settings:FitSettings",
         needs=("modes",),
         results={"fit": "torsion.what_if.fit.fit_results:Fit"},
-        chapters=("fit",),
+        chapters=("what_if/fit",),
     ),
     "check": Analysis(
         "comparison of the models",

@@ -16,10 +16,10 @@ from torsion.exchange.comparison import (
 )
 from torsion.output.blocks import Block, Heading, Paragraph, table
 from torsion.output.document import Cover, Document, numbered
-from torsion.output.html import html as render_page
 from torsion.output.numbers import NONE, number
+from torsion.output.pages.html import html as render_page
+from torsion.output.pages.terminal import show
 from torsion.output.reports import REPORTS
-from torsion.output.terminal import show
 from torsion.rules.verdict_line import WORDS
 
 SHORT = 12  # digits of a checksum

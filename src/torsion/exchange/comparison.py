@@ -15,7 +15,7 @@ import numpy as np
 from torsion.arrays import FloatArray
 from torsion.errors import printable, refusal
 from torsion.findings import Findings
-from torsion.output.results_json import results
+from torsion.output.stored.results_json import results
 from torsion.rules.verdict_line import WORDS, Verdict
 from torsion.user_files import LARGEST_RESULTS, read_file
 

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from torsion.live.session import Session
-from torsion.output.html import script, style, template_text
+from torsion.output.pages.html import script, style, template_text
 
 FILES = Path(__file__).parent
 NOTHING = '{"lengths":[],"names":[],"doubles":"eJwDAAAAAAE="}'  # numbers of a page without figures

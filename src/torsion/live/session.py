@@ -16,17 +16,19 @@ from torsion.commands import one_case
 from torsion.errors import Fault, InputError, SolveError
 from torsion.findings import Progress, silent
 from torsion.output.blocks import Block, Heading, PageEnd, Paragraph
-from torsion.output.chapters import critical_speeds, forced_response, natural_frequencies, verdict
+from torsion.output.chapters import verdict
+from torsion.output.chapters.modes import critical_speeds, natural_frequencies
+from torsion.output.chapters.response import forced_response
 from torsion.output.document import numbered
 from torsion.output.figures.figure import Figure
-from torsion.output.html import fragment
+from torsion.output.pages.html import fragment
 from torsion.results import listed
 from torsion.rules import rule
 from torsion.runner import run
-from torsion.schema.overlay import in_words
 from torsion.schema.scene_reader import read, reread
-from torsion.schema.variation import Variation, movable
-from torsion.schema.varied_figures import Figure as VariedFigure
+from torsion.schema.variants.overlay import in_words
+from torsion.schema.variants.variation import Variation, movable
+from torsion.schema.variants.varied_figures import Figure as VariedFigure
 from torsion.study import Study
 from torsion.user_files import OPENED, Stamp, stamp
 

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from torsion.model.elastic_element import MisfireHeat, OverFrequency
     from torsion.model.engine.record import EngineRecord
     from torsion.model.machine_torques import DriveLaw, LoadLaw
-    from torsion.model.shaft_details import Hub, Notch, Step, Support
+    from torsion.model.shafts.shaft_details import Hub, Notch, Step, Support
 
 Role = Literal["intermediate", "thrust", "propeller", "crank", "generator"]
 ROLES: tuple[Role, ...] = get_args(Role)

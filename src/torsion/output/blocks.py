@@ -27,7 +27,7 @@ from torsion.output.numbers import (
     scale,
 )
 from torsion.output.records import values_of_records
-from torsion.output.scene import NO_VALUE
+from torsion.output.stored.scene import NO_VALUE
 
 HEAD = re.compile(
     r"(?:(?P<name>[\w.@]+):(?: |$))?(?P<left>< ?)?(?P<title>.*?)(?: ?\[(?P<unit>[^\]]*)\])?"

@@ -16,8 +16,8 @@ from torsion.output.figures.figure import Figure
 from torsion.output.numbers import given_rpm
 from torsion.output.reported_values import speed_range
 from torsion.output.reports import REPORTS, Report
-from torsion.output.scene import checksum
-from torsion.output.stored_data import BY_NAME, NOT_KEPT
+from torsion.output.stored.scene import checksum
+from torsion.output.stored.stored_data import BY_NAME, NOT_KEPT
 from torsion.output.table_text import file_name, table_text
 
 MOST_ROWS = 200  # of a table that is printed whole

@@ -170,11 +170,11 @@ def box(findings: Findings) -> Box:
 
     lines = [*worst_line(solved), *_joined("Sweep", solved, _sweep_words)]
     if "design" in findings.results:
-        from torsion.output.chapters.design import design_line
+        from torsion.output.chapters.what_if.design import design_line
 
         lines += design_line(findings)
     if any(part.engine is not None for part in findings.study.train.parts):
-        from torsion.output.chapters.crank_machines import states
+        from torsion.output.chapters.response.crank_machines import states
 
         if words := listed(states(findings), "; "):
             lines.append(("Engine state", words))
@@ -290,11 +290,11 @@ def notes(findings: Findings) -> Iterator[Paragraph]:
 
         yield compared_models(compared)
     if findings.results.get("fit") is not None:
-        from torsion.output.chapters.fit import conclusion as fitted
+        from torsion.output.chapters.what_if.fit import conclusion as fitted
 
         yield fitted(findings.results["fit"])
     if findings.results.get("periodic") is not None:
-        from torsion.output.chapters.exact_response import first_order_judged
+        from torsion.output.chapters.response.exact_response import first_order_judged
 
         if text := first_order_judged(findings):
             yield Paragraph(text, "note")

@@ -39,20 +39,20 @@ class Output:
 
 _of_findings = partial(Output, of_findings=True)
 OUTPUTS = {
-    "json": _of_findings("torsion.output.stored_report:rendered", ".json"),
-    "html": Output("torsion.output.html:html", ".html"),
-    "csv": _of_findings("torsion.output.data_tables:report_columns", ".csv"),
-    "motion": _of_findings("torsion.output.motion_files:motion", ".npz"),
-    "fitted": _of_findings("torsion.output.written_scenes:fitted", "-fitted.yaml"),
-    "designed": _of_findings("torsion.output.written_scenes:designed", ".yaml"),
-    "pdf": Output("torsion.output.pdf:pdf", ".pdf", on_request=True),
-    "vtu": _of_findings("torsion.output.mode_lines:vtu", ".vtu", on_request=True),
+    "json": _of_findings("torsion.output.stored.stored_report:rendered", ".json"),
+    "html": Output("torsion.output.pages.html:html", ".html"),
+    "csv": _of_findings("torsion.output.files.data_tables:report_columns", ".csv"),
+    "motion": _of_findings("torsion.output.files.motion_files:motion", ".npz"),
+    "fitted": _of_findings("torsion.output.files.written_scenes:fitted", "-fitted.yaml"),
+    "designed": _of_findings("torsion.output.files.written_scenes:designed", ".yaml"),
+    "pdf": Output("torsion.output.pages.pdf:pdf", ".pdf", on_request=True),
+    "vtu": _of_findings("torsion.output.files.mode_lines:vtu", ".vtu", on_request=True),
     "figures": Output("torsion.output.report_figures:tables", "-figures.csv", on_request=True),
-    "tables": Output("torsion.output.data_tables:report_tables", ".zip", on_request=True),
-    "data": _of_findings("torsion.output.data_tables:archive", "-data.zip", on_request=True),
-    "xlsx": _of_findings("torsion.output.data_tables:workbook", ".xlsx", on_request=True),
+    "tables": Output("torsion.output.files.data_tables:report_tables", ".zip", on_request=True),
+    "data": _of_findings("torsion.output.files.data_tables:archive", "-data.zip", on_request=True),
+    "xlsx": _of_findings("torsion.output.files.data_tables:workbook", ".xlsx", on_request=True),
     "long": Output("torsion.output.renderers:long_blocks", "-table.csv"),
-    "terminal": Output("torsion.output.terminal:screen"),
+    "terminal": Output("torsion.output.pages.terminal:screen"),
 }
 
 

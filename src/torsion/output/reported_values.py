@@ -14,7 +14,7 @@ from torsion.arrays import FloatArray
 from torsion.findings import Findings
 from torsion.output.figures.figure import Criticals, Figure
 from torsion.output.numbers import NONE, RPM, given, given_rpm, number, order
-from torsion.output.scene import Element
+from torsion.output.stored.scene import Element
 from torsion.rules.verdict_line import BarredRange, Checks, distinct_ranges
 
 if TYPE_CHECKING:

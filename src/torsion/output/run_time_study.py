@@ -20,11 +20,11 @@ from torsion.analyses.compare.timing import (
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Heading, KeyValues, Paragraph, Points, Table, table
 from torsion.output.document import Document, document
-from torsion.output.html import html
 from torsion.output.numbers import given, number
+from torsion.output.pages.html import html
 from torsion.output.reports import REPORTS
-from torsion.output.results_json import finite
-from torsion.output.scene import checksum
+from torsion.output.stored.results_json import finite
+from torsion.output.stored.scene import checksum
 from torsion.output.write import inputs, write_texts
 
 FORMAT = 1

@@ -10,7 +10,7 @@ from torsion.arrays import FloatArray
 from torsion.assembly.system import System
 from torsion.errors import Path
 from torsion.model.parts import Part
-from torsion.output.scene import by_part
+from torsion.output.stored.scene import by_part
 from torsion.primitives import STEP
 
 RIGID = 0.5  # between two points that are rigidly joined

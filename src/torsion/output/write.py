@@ -15,9 +15,9 @@ from torsion.findings import Findings
 from torsion.output.document import Document, document
 from torsion.output.renderers import OUTPUTS, Content, files
 from torsion.output.reports import REPORTS, Report
-from torsion.output.results_json import SERIES
-from torsion.output.scene import curve_files
-from torsion.output.stored_report import names_in, naming
+from torsion.output.stored.results_json import SERIES
+from torsion.output.stored.scene import curve_files
+from torsion.output.stored.stored_report import names_in, naming
 from torsion.primitives import SectionMesh
 from torsion.study import Study
 

@@ -12,16 +12,16 @@ if TYPE_CHECKING:
     from torsion.study import Study
 
 RULES = {  # name in the file: class
-    "iacs-m68": "torsion.rules.m68:M68",
-    "iacs-m53": "torsion.rules.m53:M53",
-    "kr": "torsion.rules.societies:EngineSocietyRule",
-    "lr": "torsion.rules.societies:LloydsRule",
-    "dnv": "torsion.rules.societies:SocietyRule",
-    "abs": "torsion.rules.societies:SocietyRule",
-    "bv": "torsion.rules.societies:SocietyRule",
-    "ccs": "torsion.rules.societies:SocietyRule",
-    "nk": "torsion.rules.societies:EngineSocietyRule",
-    "rina": "torsion.rules.societies:SocietyRule",
+    "iacs-m68": "torsion.rules.class_rules.m68:M68",
+    "iacs-m53": "torsion.rules.class_rules.m53:M53",
+    "kr": "torsion.rules.class_rules.societies:EngineSocietyRule",
+    "lr": "torsion.rules.class_rules.societies:LloydsRule",
+    "dnv": "torsion.rules.class_rules.societies:SocietyRule",
+    "abs": "torsion.rules.class_rules.societies:SocietyRule",
+    "bv": "torsion.rules.class_rules.societies:SocietyRule",
+    "ccs": "torsion.rules.class_rules.societies:SocietyRule",
+    "nk": "torsion.rules.class_rules.societies:EngineSocietyRule",
+    "rina": "torsion.rules.class_rules.societies:SocietyRule",
     "api-610": "torsion.rules.separation_margins:SeparationMargins",
     "api-617": "torsion.rules.separation_margins:SeparationMargins",
     "api-618": "torsion.rules.separation_margins:SeparationMargins",
@@ -30,10 +30,10 @@ RULES = {  # name in the file: class
     "engine-maker": "torsion.rules.engine_maker:EngineMaker",
     "nvh": "torsion.rules.noise_limits:NoiseLimits",
     "coupling-maker": "torsion.rules.coupling_maker:CouplingMaker",
-    "gear-hammer": "torsion.rules.gear_hammer:GearHammer",
-    "fillets": "torsion.rules.fillet_endurance:FilletEndurance",
-    "shrink-fits": "torsion.rules.shrink_fits:ShrinkFits",
-    "ice": "torsion.rules.ice_peaks:IcePeaks",
+    "gear-hammer": "torsion.rules.strength.gear_hammer:GearHammer",
+    "fillets": "torsion.rules.strength.fillet_endurance:FilletEndurance",
+    "shrink-fits": "torsion.rules.strength.shrink_fits:ShrinkFits",
+    "ice": "torsion.rules.class_rules.ice_peaks:IcePeaks",
     "universal-joints": "torsion.rules.universal_joints:UniversalJoints",
 }
 STANDING: dict[str, tuple[str, Callable[["Results"], bool]]] = {
@@ -45,7 +45,7 @@ STANDING: dict[str, tuple[str, Callable[["Results"], bool]]] = {
     "stability": ("torsion.rules.stable_motion:StableMotion", lambda evidence: True),
     "lateral": ("torsion.rules.stable_motion:StableBending", lambda evidence: True),
     "transient": (
-        "torsion.rules.greatest_torque:GreatestTorque",
+        "torsion.rules.strength.greatest_torque:GreatestTorque",
         lambda evidence: (
             any(part.limits_torque for part in evidence.study.train.parts)
             or any(motion.damage is not None for motion in evidence.results["transient"].each)
@@ -99,7 +99,7 @@ def verdicts(evidence: "Results") -> tuple["Check", ...]:
     """Return the checks of every rule that the study names, in its order."""
     rules = tuple(of_study(evidence.study))
     if evidence.study.train.has_tables_over("vibratory torque"):
-        from torsion.rules.supplements import worst_of_solutions
+        from torsion.rules.class_rules.supplements import worst_of_solutions
 
         return worst_of_solutions(evidence, lambda solution: _checks(rules, solution))
     return _checks(rules, evidence)

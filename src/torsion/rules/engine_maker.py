@@ -7,9 +7,9 @@ from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.errors import Fault
 from torsion.fields import Quantity, given
 from torsion.findings import Results
+from torsion.rules.class_rules.shaft_limits import PA, no_crank, nominal_stress, with_role
 from torsion.rules.demands import order_rows
 from torsion.rules.rule_over_speed import Clause, RuleOverSpeed, UseSettings
-from torsion.rules.shaft_limits import PA, no_crank, nominal_stress, with_role
 from torsion.rules.verdict_line import Check
 from torsion.study import Study
 

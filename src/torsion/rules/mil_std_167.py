@@ -14,11 +14,11 @@ from torsion.fields import given
 from torsion.findings import Results
 from torsion.model.parts import ROLES
 from torsion.rules import rule_over_speed
+from torsion.rules.class_rules.m68_shafts import LEAST_STRENGTH
+from torsion.rules.class_rules.shaft_limits import PA, nominal_stress, unknown_strengths, with_role
 from torsion.rules.demands import START, in_rpm, unknown_gears
-from torsion.rules.gear_hammer import VIBRATORY, meshes
-from torsion.rules.m68_shafts import LEAST_STRENGTH
 from torsion.rules.rule_over_speed import Clause, Continuous, RuleOverSpeed, UseSettings, within
-from torsion.rules.shaft_limits import PA, nominal_stress, unknown_strengths, with_role
+from torsion.rules.strength.gear_hammer import VIBRATORY, meshes
 from torsion.rules.verdict_line import TO_BE_VERIFIED, Check
 from torsion.study import Study
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from torsion.analyses.critical import CriticalSpeeds
 from torsion.findings import Results
-from torsion.rules.shaft_limits import barred_range
+from torsion.rules.class_rules.shaft_limits import barred_range
 from torsion.rules.verdict_line import BarredRange
 
 if TYPE_CHECKING:

@@ -247,7 +247,7 @@ def judge_clause(rule: str, clause: Clause, evidence: Results) -> Check | None:
         notes.insert(0, f"no value at {in_rpm(speed)}")
     is_open = np.zeros(len(curve.speed), dtype=bool)
     if evidence.study.train.has_nonlinear_couplings:
-        from torsion.rules.supplements import UNPROVEN, unproven, words
+        from torsion.rules.class_rules.supplements import UNPROVEN, unproven, words
 
         notes.append(words(evidence, clause.spans, speed))
         if clause.spans.size and np.any(is_open := unproven(evidence) & clause.within):

@@ -18,7 +18,7 @@ from torsion.analyses.stability.unstable_ranges import UnstableRange
 from torsion.arrays import FloatArray
 from torsion.findings import Results
 from torsion.model.machine_torques import DriveLaw
-from torsion.rules.barred_time import barred_times, words
+from torsion.rules.class_rules.barred_time import barred_times, words
 from torsion.rules.demands import distinct, with_reach
 from torsion.rules.rule_over_speed import within
 from torsion.rules.verdict_line import BarredRange, Check, Rule, RuleSettings, Verdict

@@ -24,12 +24,12 @@ import numpy as np
 from torsion.errors import Fault, refusal
 from torsion.model import KINDS
 from torsion.model.component import component_class
-from torsion.schema.cases import CaseKeys, change_overlay, merge_changes
 from torsion.schema.declaration_reader import declared, keys_of
 from torsion.schema.edited_text import edited
 from torsion.schema.fault_text import input_error
-from torsion.schema.overlay import Overlay
 from torsion.schema.scene_reader import parse, reread
+from torsion.schema.variants.cases import CaseKeys, change_overlay, merge_changes
+from torsion.schema.variants.overlay import Overlay
 from torsion.schema.yaml_source import in_brackets, parse_source, yaml_text
 from torsion.study import Study
 

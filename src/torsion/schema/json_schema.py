@@ -17,10 +17,10 @@ from torsion.rules import RULES
 from torsion.rules import settings as rule_settings
 from torsion.schema import template
 from torsion.schema.aliases import aliases_of
-from torsion.schema.cases import FROM, TOLERANCES, CaseKeys
 from torsion.schema.declaration_reader import SECTIONS_BY_ALIAS, items_of, mappings_of
 from torsion.schema.scene_reader import LINKS, Scene
 from torsion.schema.table_rows import MAPPINGS, PAIRS
+from torsion.schema.variants.cases import FROM, TOLERANCES, CaseKeys
 from torsion.schema.yaml_source import parse_source
 from torsion.study import FiniteElements, FrontMatter, ModalDamping, Operation, ShaftModel
 

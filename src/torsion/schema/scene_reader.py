@@ -100,7 +100,7 @@ def located(error: InputError, study: Study) -> InputError:
     source, _ = reread(study)
     if study.case is None:
         return input_error(error.faults, source)
-    from torsion.schema.cases import in_case
+    from torsion.schema.variants.cases import in_case
 
     return input_error(in_case(study.case.name, input_error(error.faults, source).faults), source)
 
@@ -128,7 +128,7 @@ def _read_with_cases(source: Source) -> Study:
     source = replace(source, faults=(*source.faults, *empty_lists(source.data)))
     if not isinstance(source.data, dict) or source.data.get("cases") is None:
         return _study(source)
-    from torsion.schema.cases import with_cases
+    from torsion.schema.variants.cases import with_cases
 
     return with_cases(source, _study)
 
@@ -140,7 +140,7 @@ def _study(source: Source) -> Study:
         study = _completed(study, source.data.get("steps", "none"), faults)
         faults += study_faults(study, _faulty(faults))
         if not faults and any(name in study.analyses for name in VARYING):
-            from torsion.schema.variation import with_variations
+            from torsion.schema.variants.variation import with_variations
 
             study = with_variations(study, source, _study, declarations, faults)
     if faults or study is None:
@@ -228,7 +228,7 @@ def _sections(source: Source, faults: list[Fault]) -> Study | None:
         return None
     states: tuple[CaseStates, ...] = ()
     if (cases := data.get("cases")) is not None:
-        from torsion.schema.cases import states_of_cases
+        from torsion.schema.variants.cases import states_of_cases
 
         states = states_of_cases(cases)
     if damping is not None:

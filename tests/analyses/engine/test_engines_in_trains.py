@@ -368,7 +368,7 @@ def test_names_of_throws_may_be_excited() -> None:
 
 
 def test_results_say_the_engine_in_json() -> None:
-    from torsion.output.results_json import results
+    from torsion.output.stored.results_json import results
 
     found = json.loads(
         json.dumps(results(solved())["engines"], default=lambda value: value.tolist())

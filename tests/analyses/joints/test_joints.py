@@ -13,7 +13,7 @@ from torsion.analyses.steady import steady_if_known
 from torsion.kernels.joints.cross import error_amplitude
 from torsion.model.coupling import Coupling
 from torsion.model.disc import Disc
-from torsion.model.gear import Gear
+from torsion.model.gears.gear import Gear
 from torsion.model.joint import Joint
 from torsion.model.machine import Motor, Propeller
 from torsion.model.machine_torques import Excitation

@@ -13,7 +13,7 @@ from torsion.assembly import assemble
 from torsion.model.branch import Branch
 from torsion.model.coupling import Coupling
 from torsion.model.disc import Disc
-from torsion.model.gear import Gear
+from torsion.model.gears.gear import Gear
 from torsion.model.joint import Joint
 from torsion.model.machine import Motor, Propeller
 from torsion.study import Operation

@@ -16,10 +16,10 @@ from torsion.errors import InputError
 from torsion.model.branch import Branch
 from torsion.model.coupling import Coupling
 from torsion.model.disc import Disc
-from torsion.model.gear import Gear
+from torsion.model.gears.gear import Gear
 from torsion.model.joint import Joint
 from torsion.model.machine import Motor, Propeller
-from torsion.model.shaft import Shaft
+from torsion.model.shafts.shaft import Shaft
 from torsion.study import Operation
 from torsion.train import train
 

@@ -17,10 +17,10 @@ from torsion.kernels.trees.tree_response import Status
 from torsion.model.component import Material
 from torsion.model.coupling import Coupling
 from torsion.model.disc import Disc
-from torsion.model.gear import Gear
+from torsion.model.gears.gear import Gear
 from torsion.model.joint import Joint
-from torsion.model.shaft import Shaft
-from torsion.model.shaft_details import Support, both_ends
+from torsion.model.shafts.shaft import Shaft
+from torsion.model.shafts.shaft_details import Support, both_ends
 from torsion.schema.scene_reader import parse
 from torsion.study import Operation, Rated, SpeedRange
 from torsion.train import train

@@ -11,7 +11,7 @@ from torsion.analyses.motion.transient_motion import Transients
 from torsion.errors import InputError
 from torsion.output.blocks import Figure, Heading, Paragraph
 from torsion.output.chapters.motion_over_time import chapter
-from torsion.output.results_json import results
+from torsion.output.stored.results_json import results
 from torsion.output.write import write
 from torsion.rules.verdict_line import Checks
 

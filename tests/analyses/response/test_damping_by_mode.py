@@ -16,7 +16,7 @@ from torsion.assembly import assemble
 from torsion.assembly.matrices import matrices
 from torsion.errors import InputError
 from torsion.output.blocks import Paragraph
-from torsion.output.chapters.mass_elastic import chapter
+from torsion.output.chapters.modes.mass_elastic import chapter
 
 CHAIN = """name: x
 damping: {{modal: {}}}

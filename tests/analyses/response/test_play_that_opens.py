@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 
 import torsion
 from torsion.errors import SolveError
-from torsion.rules.supplements import surplus
+from torsion.rules.class_rules.supplements import surplus
 
 STIFFNESS, HALF, DAMPING = 1e4, 0.01, 4.0
 TEXT = """name: x

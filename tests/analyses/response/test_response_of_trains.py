@@ -20,7 +20,7 @@ from torsion.model.branch import Branch
 from torsion.model.coupling import Coupling
 from torsion.model.damper import RingDamper
 from torsion.model.disc import Disc
-from torsion.model.gear import Gear
+from torsion.model.gears.gear import Gear
 from torsion.model.machine import Motor, Propeller
 from torsion.model.machine_torques import Excitation
 from torsion.train import Link

@@ -8,7 +8,7 @@ from torsion.analyses.motion.derived.nonlinear_peaks import NonlinearPeak
 from torsion.analyses.motion.train.loaded_train import Built
 from torsion.analyses.response.synthesis import Synthesis
 from torsion.findings import Findings
-from torsion.output.chapters.couplings import nonlinear_at_peaks
+from torsion.output.chapters.response.couplings import nonlinear_at_peaks
 
 TEXT = """name: x
 operation: {{speeds: {{from: 240 rpm, to: 290 rpm, steps: 6}}, rated: {{speed: 1500 rpm, power: 200 kW}}}}

@@ -186,9 +186,9 @@ def test_scene_of_six_stations_fails_by_its_stability():
 
 LIGHT = """
 import sys, torsion
-from torsion.output.results_json import text
+from torsion.output.stored.results_json import text
 from torsion.output.document import document
-from torsion.output.terminal import screen
+from torsion.output.pages.terminal import screen
 found = torsion.run(torsion.parse({scene!r}))
 text(found), screen(document(found))
 print([name for name in sys.modules if "analyses.motion" in name or ".periodic" in name])

@@ -29,7 +29,7 @@ from torsion.kernels.periodic.harmonic_balance import motion_of, points_in_time
 from torsion.model.coupling import Coupling
 from torsion.model.damper import RingDamper
 from torsion.model.disc import Disc
-from torsion.model.gear import Gear
+from torsion.model.gears.gear import Gear
 from torsion.model.joint import Joint
 from torsion.model.machine import Motor
 from torsion.model.machine_torques import Excitation

@@ -27,7 +27,7 @@ from torsion.assembly.system import System
 from torsion.kernels.periodic.harmonic_balance import Motion, motion_of, points_in_time
 from torsion.model.coupling import Coupling
 from torsion.model.disc import Disc
-from torsion.model.gear import Gear
+from torsion.model.gears.gear import Gear
 from torsion.model.joint import Joint
 from torsion.model.machine import Motor
 from torsion.study import Operation, Study

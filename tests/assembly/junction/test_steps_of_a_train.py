@@ -17,8 +17,8 @@ from torsion.assembly.junction.stepped_shafts import with_steps
 from torsion.errors import InputError
 from torsion.kernels.round_sections import polar_area_moment
 from torsion.model.disc import Disc
-from torsion.model.shaft import Shaft
-from torsion.model.shaft_details import Flange, Step, Undercut
+from torsion.model.shafts.shaft import Shaft
+from torsion.model.shafts.shaft_details import Flange, Step, Undercut
 from torsion.rules.verdict_line import Checks
 from torsion.schema.scene_reader import parse
 from torsion.train import Train, train

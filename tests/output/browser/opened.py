@@ -12,8 +12,8 @@ import torsion
 from torsion.findings import Findings
 from torsion.output.document import Document, document
 from torsion.output.figures.figure import Figure
-from torsion.output.html import html
-from torsion.output.results_json import results
+from torsion.output.pages.html import html
+from torsion.output.stored.results_json import results
 
 EVERY = ("usv", "cardan_bearings", "six_cylinder")
 

@@ -21,8 +21,8 @@ from torsion.output.document import document
 from torsion.output.figures.figure import Figure
 from torsion.output.headline import box as verdict_box
 from torsion.output.headline import verdict as case_verdict
-from torsion.output.html import html
-from torsion.output.results_json import MOST_OF_A_CASE, results
+from torsion.output.pages.html import html
+from torsion.output.stored.results_json import MOST_OF_A_CASE, results
 from torsion.output.write import write
 from torsion.rules.verdict_line import WORDS, BarredRange, Checks
 

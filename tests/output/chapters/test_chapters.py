@@ -25,7 +25,7 @@ def heads(findings: Findings, *names: str) -> list[str]:
 
 
 def test_chapters_by_module_by_function_and_by_analysis(undamped: Findings) -> None:
-    assert heads(undamped, "plant", "closing", "torsion.output.chapters.mass_elastic") == [
+    assert heads(undamped, "plant", "closing", "torsion.output.chapters.modes.mass_elastic") == [
         "The plant",
         "Conclusion and proposed measurements",
         "Appendix: mass-elastic system",

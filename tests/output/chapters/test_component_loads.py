@@ -16,11 +16,11 @@ from torsion.analyses.steady import Steady
 from torsion.findings import Findings
 from torsion.kernels.trees.tree_response import Status
 from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table
-from torsion.output.chapters import component_loads
+from torsion.output.chapters.response import component_loads
 from torsion.output.numbers import number
-from torsion.output.scene import NO_VALUE
-from torsion.rules.m68 import judging
-from torsion.rules.shaft_limits import limits_of
+from torsion.output.stored.scene import NO_VALUE
+from torsion.rules.class_rules.m68 import judging
+from torsion.rules.class_rules.shaft_limits import limits_of
 from torsion.rules.verdict_line import BarredRange, Check, Checks
 
 RPM = 30.0 / math.pi

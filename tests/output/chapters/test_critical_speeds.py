@@ -12,7 +12,7 @@ from torsion.analyses.critical import CriticalSpeed, CriticalSpeeds
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.output.blocks import Figure, Heading, Paragraph, Table
-from torsion.output.chapters.critical_speeds import chapter, matrix
+from torsion.output.chapters.modes.critical_speeds import chapter, matrix
 from torsion.rules.verdict_line import BarredRange, Check, Checks
 
 RPM = 30.0 / math.pi

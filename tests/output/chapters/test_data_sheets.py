@@ -11,9 +11,9 @@ from torsion.analyses.tooth_forces import ToothForces
 from torsion.errors import InputError
 from torsion.findings import Findings
 from torsion.output.blocks import Table
-from torsion.output.chapters.mass_elastic import chapter
+from torsion.output.chapters.modes.mass_elastic import chapter
 from torsion.output.numbers import number
-from torsion.output.results_json import results
+from torsion.output.stored.results_json import results
 
 TEXT = """
 name: all that has a data sheet

@@ -20,8 +20,8 @@ from torsion.analyses.stability.periodic_orbits import Found, PeriodicResponse
 from torsion.findings import Findings
 from torsion.kernels.trees.tree_response import Status
 from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table
-from torsion.output.chapters.exact_response import MODEL, chapter, first_order_judged
-from torsion.output.scene import elements
+from torsion.output.chapters.response.exact_response import MODEL, chapter, first_order_judged
+from torsion.output.stored.scene import elements
 
 RPM = 30.0 / math.pi
 TRAIN = """

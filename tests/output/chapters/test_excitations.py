@@ -12,7 +12,7 @@ from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.system_data import SystemData
 from torsion.findings import Findings
 from torsion.output.blocks import Heading, Paragraph, Table
-from torsion.output.chapters.mass_elastic import chapter
+from torsion.output.chapters.modes.mass_elastic import chapter
 
 TEXT = """
 name: geared

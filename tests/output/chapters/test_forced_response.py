@@ -19,7 +19,7 @@ from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.kernels.trees.tree_response import Status
 from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table
-from torsion.output.chapters.forced_response import (
+from torsion.output.chapters.response.forced_response import (
     angles,
     chapter,
     over_frequency,

@@ -11,7 +11,7 @@ import torsion
 from torsion.analyses.system_data import SystemData
 from torsion.findings import Findings
 from torsion.output.blocks import Paragraph, Table
-from torsion.output.chapters.mass_elastic import chapter
+from torsion.output.chapters.modes.mass_elastic import chapter
 from torsion.output.numbers import given, number
 
 STEEL, SHEAR = 7812.5, 81.25e9  # kg/m3, N/m2

@@ -10,7 +10,7 @@ import torsion
 from torsion.analyses.steady import Steady, mean_loads
 from torsion.findings import Findings
 from torsion.output.blocks import Heading, Paragraph, Table
-from torsion.output.chapters.mean_torques import chapter
+from torsion.output.chapters.response.mean_torques import chapter
 
 RPM = 30.0 / math.pi
 TEXT = """

@@ -14,7 +14,12 @@ from torsion.analyses.damped_modes import DampedModes
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table
-from torsion.output.chapters.natural_frequencies import all_modes, appendix, chapter, holzer_tables
+from torsion.output.chapters.modes.natural_frequencies import (
+    all_modes,
+    appendix,
+    chapter,
+    holzer_tables,
+)
 from torsion.output.station_layout import layout
 
 RPM = 30.0 / math.pi

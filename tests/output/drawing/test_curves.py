@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import torsion
-from torsion.output.chapters.couplings import input_and_modes
+from torsion.output.chapters.response.couplings import input_and_modes
 from torsion.output.drawing.curves import MOST_POINTS, area, decimated, path
 from torsion.output.drawing.frame import WIDTH
 from torsion.output.figures.figure import Figure

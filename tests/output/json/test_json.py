@@ -13,7 +13,7 @@ from docs.site.results_manual import documented
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
-from torsion.output.results_json import results, text
+from torsion.output.stored.results_json import results, text
 
 KEYS = {key.path: key.meaning for key in documented()}
 NOT_IN_THIS_TRAIN = (
@@ -51,7 +51,7 @@ NOT_IN_THIS_TRAIN = (
 )
 LIGHT = """
 import sys, torsion
-from torsion.output.results_json import text
+from torsion.output.stored.results_json import text
 text(torsion.run(torsion.parse({scene!r})))
 heavy = ("matplotlib", "jinja2", "typst", "rich", "torsion.kernels.joints")
 print([name for name in sys.modules if name.split(".")[0] in heavy or name in heavy])

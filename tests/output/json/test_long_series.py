@@ -11,8 +11,8 @@ import pytest
 import torsion
 from torsion.errors import InputError
 from torsion.kernels.trees.tree_response import Status
-from torsion.output import results_json
-from torsion.output.results_json import (
+from torsion.output.stored import results_json
+from torsion.output.stored.results_json import (
     END,
     SERIES,
     lines,

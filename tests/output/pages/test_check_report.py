@@ -16,10 +16,10 @@ from torsion.findings import Findings
 from torsion.output.blocks import Heading, Paragraph, Table
 from torsion.output.chapters.model_comparison import chapter
 from torsion.output.document import document
-from torsion.output.html import html
+from torsion.output.pages.html import html
+from torsion.output.pages.terminal import screen
 from torsion.output.reports import REPORTS
-from torsion.output.results_json import results, text
-from torsion.output.terminal import screen
+from torsion.output.stored.results_json import results, text
 from torsion.output.write import write
 
 KEYS = {key.path: key.meaning for key in documented()}

@@ -17,13 +17,13 @@ from torsion.analyses.joints.joint_lines import Joints
 from torsion.findings import Findings
 from torsion.output.blocks import Figure, Heading, Points, Table
 from torsion.output.chapters.joint_motion import chapter
-from torsion.output.data_tables import report_columns
 from torsion.output.document import Document, document
-from torsion.output.html import html
+from torsion.output.files.data_tables import report_columns
 from torsion.output.numbers import number
+from torsion.output.pages.html import html
+from torsion.output.pages.terminal import show
 from torsion.output.reports import REPORTS
-from torsion.output.results_json import text
-from torsion.output.terminal import show
+from torsion.output.stored.results_json import text
 
 JOINTS = REPORTS["joint"].keys
 KEYS = {key.path: key.meaning for key in documented()}

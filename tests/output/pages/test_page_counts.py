@@ -7,7 +7,7 @@ from tests.contracts.frozen import solved
 
 from torsion.output.blocks import Figure, Heading, Table
 from torsion.output.document import document
-from torsion.output.pdf import pdf
+from torsion.output.pages.pdf import pdf
 
 pytest.importorskip("typst")
 

@@ -13,7 +13,7 @@ from tests.for_all import for_all
 import torsion
 from torsion.errors import InputError, SolveError
 from torsion.findings import Findings, Work
-from torsion.output.chapters.design import conclusion
+from torsion.output.chapters.what_if.design import conclusion
 from torsion.rules.verdict_line import Checks
 from torsion.study import Study
 from torsion.what_if.design.design_results import Design

@@ -11,7 +11,7 @@ import pytest
 import torsion
 from torsion import processes, rules
 from torsion.findings import Findings, Work
-from torsion.output.chapters.design import design_line
+from torsion.output.chapters.what_if.design import design_line
 from torsion.rules.verdict_line import Checks
 from torsion.what_if.design.design_results import Design
 from torsion.what_if.variants.chunks import solved

@@ -13,7 +13,7 @@ from tests.for_all import for_all
 import torsion
 from torsion.errors import InputError
 from torsion.output.chapters import verdict
-from torsion.output.chapters.sweep import chapter
+from torsion.output.chapters.what_if.sweep import chapter
 from torsion.output.figures.figure import Figure
 from torsion.rules.verdict_line import Checks
 from torsion.what_if.sweep.sweep_results import Grid, Sweep

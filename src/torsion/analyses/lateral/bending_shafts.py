@@ -12,7 +12,7 @@ from torsion.analyses.lateral.beam_matrices import Beam, LateralSystem, Point, S
 from torsion.arrays import FloatArray
 from torsion.errors import Fault, Path, SolveError
 from torsion.kernels.trees.tree import connected
-from torsion.model.shaft_details import Support, both_ends
+from torsion.model.shafts.shaft_details import Support, both_ends
 from torsion.primitives import Bar
 from torsion.train import Train
 

@@ -12,7 +12,7 @@ from torsion.assembly.system import System
 from torsion.errors import Path, SolveError
 from torsion.findings import Work
 from torsion.kernels.round_sections import section_modulus
-from torsion.model.shaft_details import Notch
+from torsion.model.shafts.shaft_details import Notch
 from torsion.primitives import Bar
 from torsion.results import derived, reported, result
 from torsion.sources import source

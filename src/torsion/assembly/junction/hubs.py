@@ -5,7 +5,7 @@ from functools import lru_cache
 from typing import Literal
 
 from torsion.errors import Fault
-from torsion.model.shaft_details import Hub
+from torsion.model.shafts.shaft_details import Hub
 from torsion.primitives import Bar
 from torsion.train import Train
 

@@ -19,7 +19,7 @@ from torsion.assembly.junction.profile import (
 from torsion.errors import Fault, InputError, SolveError
 from torsion.kernels.junction_table import junction_table
 from torsion.kernels.round_sections import polar_area_moment
-from torsion.model.shaft_details import Step
+from torsion.model.shafts.shaft_details import Step
 from torsion.primitives import STEP, Bar, Inertia, Spring, Station, StepForm
 from torsion.train import ENDS, Train
 

@@ -49,6 +49,6 @@ def _named(findings: Findings, names: Sequence[str]) -> Iterator[Chapter]:
 def _function(name: str) -> Chapter:
     """Return the function of `natural_frequencies`, `joint_motion:summary`, or of another module."""
     module, _, function = name.partition(":")
-    path = module if "." in module else f"{__name__}.{module}"
+    path = module if "." in module else f"{__name__}.{module.replace('/', '.')}"
     made: Chapter = getattr(import_module(path), function or "chapter")
     return made

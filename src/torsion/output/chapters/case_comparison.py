@@ -18,7 +18,7 @@ from torsion.output.figures.figure import Figure, Line, Panel
 from torsion.output.headline import Cases, lines_of, omitted_rules, verdict
 from torsion.output.numbers import NONE, RPM, cell, rpm, symbols
 from torsion.output.reported_values import barred_rpm, responds, synthesis
-from torsion.output.scene import elements, highest, torques
+from torsion.output.stored.scene import elements, highest, torques
 from torsion.results import listed
 from torsion.rules import RULES
 from torsion.rules.verdict_line import WORDS, Check
@@ -168,7 +168,7 @@ def _checks(cases: Cases) -> Iterator[Block]:
 
 def _loads(cases: Cases) -> Iterator[Figure]:
     """Yield the most stressed shaft in every answered case; without shafts the component with the largest torque."""
-    from torsion.output.chapters.component_loads import stress_curves
+    from torsion.output.chapters.response.component_loads import stress_curves
 
     answered = {name: case for name, case in cases.items() if responds(case)}
     loads = [case.need(ComponentLoads) for case in answered.values()]

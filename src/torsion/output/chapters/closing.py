@@ -17,7 +17,7 @@ from torsion.output.check_words import basis
 from torsion.output.headline import MOST_LISTED, notes, overall_headline, restrictions
 from torsion.output.numbers import number, order, rpm, symbols
 from torsion.output.reported_values import speed_range
-from torsion.output.scene import checksum, curve_files
+from torsion.output.stored.scene import checksum, curve_files
 from torsion.primitives import SectionMesh
 from torsion.results import listed
 from torsion.rules.verdict_line import Check, Checks

@@ -7,8 +7,8 @@ import numpy as np
 from torsion.analyses import Analysis
 from torsion.findings import Findings
 from torsion.output.blocks import Block, Column, Heading, Points, table
-from torsion.output.data_tables import result_tables
-from torsion.output.scene import Selection
+from torsion.output.files.data_tables import result_tables
+from torsion.output.stored.scene import Selection
 from torsion.results import is_declared, quantities
 
 MOST_COLUMNS = 5  # of a table on the terminal

@@ -24,7 +24,7 @@ from torsion.output.figures.curves import orders as ordered_lines
 from torsion.output.figures.figure import Axis, Cells, Figure, Panel
 from torsion.output.numbers import RPM, counted, given, number, rpm, scale, symbols
 from torsion.output.records import Place, along
-from torsion.output.scene import Element, elements, highest
+from torsion.output.stored.scene import Element, elements, highest
 from torsion.results import listed
 from torsion.rules.verdict_line import Checks
 

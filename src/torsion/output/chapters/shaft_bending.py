@@ -24,7 +24,7 @@ from torsion.output.figures.curves import (
 from torsion.output.figures.figure import Axis, Band, Figure, Level, Line, Marks, Panel
 from torsion.output.numbers import RPM, Scale, number, rpm, scale
 from torsion.output.reported_values import of_bending, rated_rpm
-from torsion.output.scene import highest
+from torsion.output.stored.scene import highest
 
 AXES = (
     "y is the normal of the plane of the joint upstream of the shaft (otherwise downstream), z is "

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 import numpy as np
 
-from torsion.output.stored_data import BY_NAME, StoredFlags, StoredFloats, StoredIntegers
+from torsion.output.stored.stored_data import BY_NAME, StoredFlags, StoredFloats, StoredIntegers
 
 Role = Literal[
     "synthesis",

@@ -115,7 +115,7 @@ class SweepSettings(Declared):
 class Points:
     """The variants that a sweep has of the figures that vary."""
 
-    figures: Sequence[Any]  # torsion.schema.variation.Figure
+    figures: Sequence[Any]  # torsion.schema.variants.variation.Figure
     method: Method
     seed: int
     samples: int  # of each set; of a grid all combinations

@@ -18,7 +18,7 @@ from torsion.assembly import assemble
 from torsion.errors import InputError, SolveError
 from torsion.output.blocks import Paragraph
 from torsion.output.chapters.motion_over_time import chapter
-from torsion.output.results_json import results
+from torsion.output.stored.results_json import results
 from torsion.rules.verdict_line import Checks
 
 ORACLES = json.loads((Path(__file__).parent / "drives_oracles.json").read_text())["acting_torques"]

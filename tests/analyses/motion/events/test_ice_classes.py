@@ -17,7 +17,7 @@ from torsion.kernels.motion.loaded_modes import value
 from torsion.model.parts import PropellerRecord
 from torsion.output.blocks import Paragraph, Table
 from torsion.output.chapters.motion_over_time import chapter
-from torsion.output.results_json import results
+from torsion.output.stored.results_json import results
 from torsion.rules.verdict_line import Checks
 
 SCREW = PropellerRecord(1.0, None, 4, 4.0, 0.8, None, 0.25)

@@ -13,7 +13,7 @@ from torsion.errors import InputError
 from torsion.findings import Findings
 from torsion.output.blocks import Paragraph
 from torsion.output.chapters.motion_over_time import chapter
-from torsion.output.results_json import results
+from torsion.output.stored.results_json import results
 from torsion.rules.verdict_line import Checks
 
 ORACLES = json.loads((Path(__file__).parent / "drives_oracles.json").read_text())["short_circuit"]

@@ -1,0 +1,1 @@
+"""Shafts, with their steps, hubs and notches. No division into segments (see assembly)."""

@@ -1,0 +1,1 @@
+"""Chapters on the train and its natural frequencies. No calculation."""

@@ -1,0 +1,1 @@
+"""Chapters on mean torque and on the response over speed. No calculation."""

@@ -1,0 +1,1 @@
+"""Chapters on variants, designs and fits. No calculation."""

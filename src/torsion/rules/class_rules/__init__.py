@@ -1,0 +1,1 @@
+"""Rules of classification societies and of IACS. No rule of makers or of general standards.."""

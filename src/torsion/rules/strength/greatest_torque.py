@@ -1,0 +1,88 @@
+"""The verdict on motion over time: nothing may carry more than the greatest torque that its maker allows.
+
+Where damage is counted, a life that is used up fails too.
+"""
+
+from collections.abc import Iterable, Iterator
+
+import numpy as np
+
+from torsion.analyses.motion.events.transient_settings import cases
+from torsion.analyses.motion.train.state_before import LEFT_OUT
+from torsion.analyses.motion.transient_motion import TransientMotion, Transients
+from torsion.analyses.undamped_modes import Modes
+from torsion.arrays import FloatArray
+from torsion.findings import Results
+from torsion.model.parts import Part
+from torsion.rules.demands import restricted
+from torsion.rules.rule_over_speed import spans_of
+from torsion.rules.verdict_line import Check, Rule, RuleSettings, Standing, verdict_of
+
+WHOLE_LIFE = 1.0  # Miner's sum at which it is used up
+
+
+class GreatestTorque(Rule[RuleSettings]):
+    """The rule on every motion over time that was computed; what has no rating is not judged."""
+
+    def judge(self, evidence: Results) -> Iterable[Check]:
+        """Of every coupling and gear with a `max_torque`, and of every part whose damage is counted.
+
+        Modes that the samples do not resolve are added to a peak, and how far it scatters. A motion whose status is not
+        ok never passes. What the rule `ice` judges at the worst of the motions in ice is left to it.
+        """
+        motions, in_ice = evidence.need(Transients).each, set[str | None]()
+        if any(name == "ice" for name, _ in evidence.study.rules):
+            from torsion.rules.class_rules.ice_peaks import ice_motions
+
+            in_ice = {motion.settings.name for motion in ice_motions(evidence.study)}
+        for motion in motions:
+            mark = f", {motion.name}" if len(motions) > 1 else ""
+            for number, part in enumerate(evidence.study.train.parts):
+                rated = part.greatest_torque(is_rare=False)
+                for check in _checks(evidence, motion, number, part, mark):
+                    # The rule `ice` compares the same torque with the same rating.
+                    is_of_ice = rated and check.clause.partition(", ")[0] == rated[0]
+                    if not (motion.name in in_ice and is_of_ice):
+                        yield check
+
+
+def _checks(
+    evidence: Results, motion: TransientMotion, number: int, part: Part, mark: str
+) -> Iterator[Check]:
+    """Checks of one motion and one part; mark: of the motion, where there are several."""
+    spans, is_sound = spans_of(evidence.system, number), motion.status == "ok"
+    note = "" if is_sound else f"{motion.status}; such a motion is never a pass"
+    if motion.switching is not None and motion.switching.scatter is not None and is_sound:
+        note = "the larger of two motions that impacts set apart, and their difference added"
+    without = [words for words in motion.not_acting if words.endswith(LEFT_OUT)]
+    left_out = f"does not act: {'; '.join(without)}" if without else ""
+    # The largest torque of a step comes half a period of the lowest mode after it, a beat of several modes later.
+    modes, early = evidence.get(Modes), ""
+    if modes is not None and len(modes.frequency):
+        period = 1.0 / float(modes.frequency[0])
+        for settings, _ in cases(evidence.study):
+            times = [event.time for event in settings.events]
+            left = settings.duration - max(times, default=0.0)
+            if settings.name == motion.name and times and left < period:
+                early = f"ends {left:.3g} s after the last event, within a period of mode 1 ({period:.3g} s)"
+    conditions = left_out, early
+
+    def judge(
+        clause: str, what: str, values: FloatArray, limit: float, unit: str, standing: Standing
+    ) -> Check:
+        value = float(values[spans].max())
+        is_met = value < limit if standing == "setting" else value <= limit
+        compared = f"{what}: {motion.name}" if motion.name else what
+        about, verdict = ("transient", clause + mark), verdict_of(is_sound and is_met, standing)
+        check = Check(*about, part.name, compared, value, limit, unit, verdict, standing, note=note)
+        return restricted(check, *conditions)
+
+    if (rated := part.greatest_torque(is_rare=motion.is_rare)) is not None:
+        clause, limit = rated
+        yield judge(clause, "Greatest torque over time", motion.peak, limit, "N m", "maker")
+    widest = None if part.ratings is None or motion.is_rare else part.ratings.max_torque_range
+    if widest is not None:
+        yield judge("dT_max", "Range of torque over time", motion.range, widest, "N m", "maker")
+    if motion.damage is not None and spans.size and not np.isnan(motion.damage[spans]).all():
+        # A life that is used up fails.
+        yield judge("D", "Damage of one event", motion.damage, WHOLE_LIFE, "1", "setting")
