@@ -2,7 +2,7 @@
 
 from dataclasses import FrozenInstanceError, is_dataclass
 from importlib import import_module
-from pkgutil import iter_modules
+from pkgutil import walk_packages
 
 import numpy as np
 import pytest
@@ -126,7 +126,7 @@ def test_a_rule_that_says_nothing_needs_and_finds_nothing() -> None:
 
 def test_data_of_the_rules_cannot_be_changed() -> None:
     modules = [
-        import_module(found.name) for found in iter_modules(rules.__path__, "torsion.rules.")
+        import_module(found.name) for found in walk_packages(rules.__path__, "torsion.rules.")
     ]
     data = {kind for module in modules for kind in vars(module).values() if isinstance(kind, type)}
     own = [

@@ -62,7 +62,7 @@ def test_every_colour_of_a_drawing_has_its_counterpart_in_the_style() -> None:
     files = [path for folder in folders for path in folder.glob("*.py") if path.name != "image.py"]
     used = {colour for path in files for colour in COLOUR.findall(path.read_text("utf-8"))}
     rule = re.compile(r'figure \[(fill|stroke)="(#\w+)"\] { \1: light-dark\(\2, (#\w+)\); }')
-    stated = rule.findall((OUTPUT / "templates" / "report_dark.css").read_text("utf-8"))
+    stated = rule.findall((OUTPUT / "pages" / "templates" / "report_dark.css").read_text("utf-8"))
     assert sorted(stated) == sorted(
         (attribute, colour, dark(colour)) for attribute in ("fill", "stroke") for colour in used
     )

@@ -1,1 +1,1 @@
-"""Shafts, with their steps, hubs and notches. No division into segments (see assembly)."""
+"""Shafts, with their steps, hubs and notches. No assembly of their segments."""
