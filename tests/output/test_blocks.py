@@ -11,7 +11,7 @@ import pytest
 
 from torsion import output
 from torsion.arrays import FloatArray
-from torsion.output import chapters, figures, table_text
+from torsion.output import table_text
 from torsion.output.blocks import (
     Column,
     Figure,
@@ -65,10 +65,7 @@ def test_titles_hold_unit_side_and_the_title_of_the_terminal() -> None:
 
 def test_what_a_report_is_made_of_cannot_be_changed() -> None:
     """A block that one renderer changed would differ in the next."""
-    folders = {f"{folder.__name__}.": folder.__path__ for folder in (output, chapters, figures)}
-    names = [
-        one.name for prefix, path in folders.items() for one in pkgutil.iter_modules(path, prefix)
-    ]
+    names = [module.name for module in pkgutil.walk_packages(output.__path__, "torsion.output.")]
     kinds = {
         kind
         for name in names
