@@ -13,7 +13,7 @@ import re
 from collections import Counter
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -148,6 +148,7 @@ def _quoted(text: str) -> str:
     return f"'{printable(text.strip(), 40)}'"
 
 
+@lru_cache(maxsize=4096)  # a file is read again for each of its variants
 def amount(text: str) -> tuple[Fraction, str]:
     """The number in front, exact, and the unit behind it in one spelling (empty if there is none); raises Refusal.
 
