@@ -107,6 +107,59 @@ def test_a_case_without_results_is_not_judged_and_ends_in_no_traceback() -> None
     assert compare_results(kept, missing).cases[0].verdict_after == "NOT JUDGED"
     swept = kept | {"sweep": {"any_fails": {"failing": 41}}}
     assert compare_results(kept, swept).cases[0].verdict_after == "PASS with restrictions"
+    failed = swept | {"checks": [kept["checks"][0] | {"verdict": "fail"}]}
+    assert compare_results(swept, failed).cases[0].verdict_after == "FAIL"
+
+
+def test_changed_checks_stand_with_the_worsened_verdict_first_and_then_by_the_rise_of_utilisation() -> (
+    None
+):
+    solved = results(DISCS)
+
+    def rows(**checks: tuple[str, float | None, float]) -> dict:
+        """Return the results with checks: verdict, utilisation and value of each place."""
+        return solved | {
+            "checks": [
+                {"rule": "r", "clause": "c", "where": where, "what": "x"}
+                | dict(zip(("verdict", "utilisation", "value"), row, strict=True))
+                for where, row in checks.items()
+            ]
+        }
+
+    before = rows(
+        falls=("pass", 0.5, 5.0),
+        rises=("pass", 0.5, 5.0),
+        same=("pass", 0.5, 5.0),
+        mended=("fail", 1.2, 12.0),
+        worsened=("pass", 0.9, 9.0),
+        without_limit=("pass", None, 5.0),
+        without_limit_same=("pass", None, 5.0),
+    )
+    after = rows(
+        falls=("pass", 0.4, 4.0),
+        rises=("pass", 0.6, 6.0),
+        same=("pass", 0.5, 5.1),
+        mended=("pass", 0.8, 8.0),
+        worsened=("fail", 1.1, 11.0),
+        without_limit=("pass", None, 6.0),
+        without_limit_same=("pass", None, 5.0),
+    )
+    changes = compare_results(before, after).cases[0].checks
+    assert [change.component for change in changes] == [
+        "worsened",
+        "rises",
+        "without_limit",
+        "falls",
+        "mended",
+    ]
+
+
+def test_a_component_is_present_in_the_results_that_have_it() -> None:
+    more = DISCS + "- coupling: {name: d soft, stiffness: 1}\n- disc: {name: d, inertia: 1}\n"
+    changes = compared(DISCS, more).cases[0].inputs
+    assert ("d", "-", "present") in [
+        (change.component, change.before, change.after) for change in changes
+    ]
 
 
 def test_the_command_prints_writes_and_ends_with_its_status(tmp_path: Path) -> None:
