@@ -206,15 +206,15 @@ def test_a_motion_that_ends_before_the_ice_never_passes() -> None:
     assert {check.verdict for check in enough.values()} == {"pass"}
 
 
-def test_a_train_that_starts_is_judged_by_the_angle_that_it_turns() -> None:
+def test_a_train_that_starts_is_judged_by_the_angle_that_it_turns_from_the_ice_on() -> None:
     start = "{at: motor-1, start: {pull_out: 300e3, slip: 20 %, synchronous: 750 rpm}}"
-    for duration, verdict in ((0.8, "fail"), (2.0, "pass")):
+    for begin, duration, verdict in ((0.1, 0.8, "fail"), (0.1, 2.0, "pass"), (1.0, 1.3, "fail")):
         body = motion(torque=10.0, more="initial: rest,").replace("0.8 s", f"{duration} s")
-        body = body.replace("events: [", f"events: [{start}, ")
+        body = body.replace("events: [", f"events: [{start}, ").replace("0.1 s", f"{begin} s")
         found = run(scene(body))
         (one,) = found.need(Transients).each
         screw = found.study.train["screw"].stations[0]
-        late = one.time >= 0.1
+        late = one.time >= begin
         turned = abs(np.trapezoid(one.speed[screw, late], one.time[late])) / (2.0 * math.pi)
         assert (turned > 2.0) == (verdict == "pass")
         assert ice_checks(found)["line"].verdict == verdict
@@ -228,6 +228,11 @@ def test_the_remark_says_where_the_first_blade_order_meets_a_mode(solved: Findin
     words = f"between 576 rpm and 864 rpm the first blade order of screw meets a mode at {speed:.5g} rpm"
     assert words in ice_checks(solved)["line"].note
     assert words in open_rows(solved)["resonance", "screw"]
+    over_speed = scene().replace(
+        "operation: {", "operation: {speeds: {from: 500 rpm, to: 800 rpm}, "
+    )
+    words = "between 400 rpm and 960 rpm the first blade order"
+    assert words in ice_checks(run(over_speed))["line"].note
     soft = ice_checks(run(scene().replace("250e3", "50e3")))["line"].note
     assert "between 576 rpm and 864 rpm the first blade order of screw meets no mode" in soft
 
@@ -249,6 +254,16 @@ def test_the_remark_says_where_the_first_blade_order_meets_a_mode(solved: Findin
         (
             scene(motion(more="initial: {speed: 720 rpm},")),
             11,
+            "the torque of the drive is not known",
+        ),
+        (  # one of two motions begins with the mean torques
+            scene(
+                f"{motion()}, {motion(name='start', more='initial: rest,')}".replace(
+                    "rest, events: [",
+                    "rest, events: [{at: motor-1, start: {torque: [[0 rpm, 1], [900 rpm, 1]]}}, ",
+                )
+            ).replace(", power: 1.5 MW", ""),
+            3,
             "the torque of the drive is not known",
         ),
         (scene(rule="ice: {factor: 0.9}"), 12, "at least 1"),
