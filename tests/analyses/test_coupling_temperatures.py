@@ -42,16 +42,16 @@ def of(found: Findings) -> CouplingTemperature:
     return found.need(CouplingTemperatures).each[0]
 
 
-def heat(theta: float, hertz: float, torque: float) -> float:
+def heat(theta: float, hertz: float, torque: float, viscous: float = 0.0) -> float:
     """W of two masses by their equations of motion, k and the magnifier linear between 30 and 100 degC."""
     share, w = (min(theta, 100.0) - 30.0) / 70.0, 2.0 * math.pi * hertz
     k, eta = 20e3 * (1.0 - 0.4 * share), 1.0 / (8.0 + 2.67 * share)
-    stiffness = k * (1.0 + 1j * eta)
+    stiffness = k * (1.0 + 1j * eta) + 1j * w * viscous
     motion = np.array(
         [[stiffness - 10.0 * w**2, -stiffness], [-stiffness, stiffness - 40.0 * w**2]]
     )
     twist = np.array([1.0, -1.0]) @ np.linalg.solve(motion, [torque, 0.0])
-    return float(0.5 * w * k * eta * abs(twist) ** 2)
+    return float(0.5 * w * stiffness.imag * abs(twist) ** 2)
 
 
 def roots(hertz: float, torque: float) -> list[float]:
@@ -98,6 +98,23 @@ def test_temperatures_over_the_speed_are_those_of_the_equations_of_motion() -> N
         assert (found.lowest[k], found.highest[k]) == pytest.approx(
             (every[0], every[-1]), rel=1e-11
         )
+
+
+def test_all_equilibria_of_the_first_and_of_the_last_speed_with_several_are_listed() -> None:
+    found = of(solved(250.0))
+    several = found.speed[found.number > 1]
+    assert several[0] < several[-1]
+    for speed in several[[0, -1]].tolist():
+        listed = [state.temperature for state in found.equilibria if state.speed == speed]
+        assert listed == pytest.approx(roots(speed / (2.0 * math.pi), 250.0), rel=1e-10)
+
+
+def test_viscous_damping_beside_a_magnifier_warms_the_coupling_too() -> None:
+    """At 9 Hz 20 N m s/rad lose 1131 of the 2500 N m/rad that the magnifier loses at 30 degC."""
+    found = of(solved(700.0, f"stiffness: 20e3, viscous: 20, {WARM}"))
+    warm = float(found.lowest[-1])
+    assert warm == pytest.approx(30.0 + 70.0 / 400.0 * heat(warm, 9.0, 700.0, 20.0), rel=1e-11)
+    assert warm > 62.0  # 61.55 degC without it
 
 
 def test_coupling_that_runs_away_fails_the_rule_of_its_maker() -> None:

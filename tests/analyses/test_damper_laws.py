@@ -14,7 +14,7 @@ from torsion.analyses.response.component_loads import harmonic_heat
 from torsion.analyses.undamped_modes import modes
 from torsion.assembly import assemble
 from torsion.errors import InputError, SolveError
-from torsion.model.damper import Silicone
+from torsion.model.damper import ModulusLaw, Silicone
 from torsion.rules.verdict_line import Checks
 from torsion.study import Study
 
@@ -59,6 +59,12 @@ def test_silicone_follows_the_published_law_over_frequency_and_temperature(celsi
         assert (k, c) == pytest.approx(tuple(map(float, moduli(celsius, hertz))), rel=2e-14)
 
 
+@pytest.mark.parametrize("celsius", [54.0, 55.0, 115.0, 116.0])
+def test_silicone_outside_the_printed_temperatures_says_so(celsius: float) -> None:
+    words = Silicone(viscosity=0.15, shape=5.0, temperature=celsius).lowered(1.0).words
+    assert ("outside the 55 to 115 °C" in words) == (celsius in (54.0, 116.0))
+
+
 def test_silicone_has_the_worked_value() -> None:
     """reference 1.8: 75 degC, 100 Hz, shape 5."""
     k, _, c = (
@@ -67,6 +73,15 @@ def test_silicone_has_the_worked_value() -> None:
         .values(np.array(HERTZ * 100.0))
     )
     assert (k, c) == pytest.approx((35950.25, 99.25755), rel=2e-7)
+
+
+def test_moduli_of_the_maker_at_another_speed_are_those_of_storage_and_of_loss() -> None:
+    """At 40 degC and 10 Hz G' = 3 x 2 x 10 = 60 Pa and G'' = 5 x 10^2 = 500 Pa; at half the speed a quarter counts."""
+    storage = ModulusLaw(factor=3.0, activation=313.0 * math.log(2.0), power=1.0, power_slope=0.0)
+    loss = ModulusLaw(factor=5.0, activation=0.0, power=2.0, power_slope=0.0)
+    silicone = Silicone(shape=8.0, temperature=40.0, storage=storage, loss=loss)
+    k, _, c = silicone.lowered(4.0).values(np.array(HERTZ * 10.0))
+    assert (k, c) == pytest.approx((2.0 * 60.0, 2.0 * 500.0 / (HERTZ * 10.0)), rel=1e-13)
 
 
 def solved(w: float, k: complex, torque: float) -> np.ndarray:
