@@ -144,6 +144,30 @@ analyses:
     assert found.damage[0] == pytest.approx((number - 0.5) * 0.5**5 / 1e6, rel=2e-3, abs=0.0)
 
 
+def test_damage_is_counted_at_the_components_that_the_file_names_alone() -> None:
+    text = """name: x
+train:
+- disc: {inertia: 2}
+- coupling: {name: s1, stiffness: 1e4}
+- disc: {inertia: 3}
+- coupling: {name: s2, stiffness: 1e4}
+- disc: {inertia: 2}
+analyses:
+  transient: {duration: 1 s, initial: {torque: {s1: 50}}, fatigue: LINE}
+"""
+    line = "{amplitude: 100, cycles: 1e6, slope: 5, at: AT}"
+    first, second, both = (
+        torsion.run(torsion.parse(text.replace("LINE", line.replace("AT", names))))
+        .need(Transients)
+        .each[0]
+        .damage
+        for names in ("s1", "s2", "[s1, s2]")
+    )
+    assert np.isfinite(both).all()
+    assert first.tolist() == pytest.approx([both[0], np.nan], nan_ok=True)
+    assert second.tolist() == pytest.approx([np.nan, both[1]], nan_ok=True)
+
+
 def test_all_samples_are_written_where_the_file_exports_them(tmp_path) -> None:
     trip, hit = (
         TRIP.replace("1 s,", "1 s, export: csv,"),

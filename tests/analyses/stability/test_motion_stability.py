@@ -354,6 +354,9 @@ def test_basis_has_the_modes_of_the_train():
         ((0.0, 1.0, 0.6, 0.0), 19.9, "difference of modes 1 and 2 (w2 - w1)"),
         ((0.0, 0.3, 0.0, 1.0), 37.0, "sum of modes 1 and 3 ((w1 + w3)/2)"),
         ((0.0, 1.0, 0.0, 0.0), 10.1, "principal of mode 1 (2 w1/2)"),
+        # 2 (w3 - w1)/54 is met, but mode 3 has less than a tenth of the energy: mode 1 explains it alone.
+        ((0.0, 1.0, 0.0, 0.05), 27.0, "principal of mode 1 (2 w1)"),
+        ((0.0, 1.0, 0.0, 0.5), 27.0, "difference of modes 1 and 3 ((w3 - w1)/2)"),
     ],
 )
 def test_zones_are_named_by_the_modes_that_take_part(energy, w0, name):

@@ -1,11 +1,18 @@
 """Unstable ranges: the greatest growth is that of the whole range, and what is not known is no end of a range."""
 
+from fractions import Fraction
+
 import numpy as np
 import pytest
 
 from torsion.analyses.stability.floquet_exponents import Search, growth_search
 from torsion.analyses.stability.stability_over_speed import stability
-from torsion.analyses.stability.unstable_ranges import UnstableRange, unstable_ranges
+from torsion.analyses.stability.straight_modes import Basis
+from torsion.analyses.stability.unstable_ranges import (
+    UnstableRange,
+    candidates,
+    unstable_ranges,
+)
 from torsion.assembly import assemble
 from torsion.assembly.system import System
 from torsion.model.coupling import Coupling
@@ -91,6 +98,13 @@ def test_growth_of_a_wide_range_is_asked_in_all_its_parts():
     (only,) = found.ranges
     inside = found.speed[(found.speed >= only.first) & (found.speed <= only.last)]
     assert np.diff(inside).max() <= (only.last - only.first) / 8.0 * (1.0 + 1e-9)
+
+
+def test_combinations_of_two_modes_and_of_a_mode_with_the_rigid_motion_are_candidates():
+    """Of 10 and 30 rad/s: 20 = 2 w1 = w2 - w1, 40 = w1 + w2, 60 = 2 w2, and 10 and 30; over 2 and 4; ends are none."""
+    shapes = Basis(np.array([0.0, 10.0, 30.0]), np.eye(3), np.ones(3), np.zeros((3, 3)), 3)
+    speeds = candidates(shapes, (Fraction(2),), 2.5, 30.0)
+    assert speeds == pytest.approx([5.0, 7.5, 10.0, 15.0, 20.0])
 
 
 def test_speed_without_a_periodic_motion_parts_a_range_and_is_told():
