@@ -1,5 +1,6 @@
 """A report is written whole or not at all."""
 
+import os
 import shutil
 from datetime import date
 from pathlib import Path
@@ -109,6 +110,33 @@ def test_results_behind_a_symbolic_link_name_no_file_to_remove(
     (out / "report.pdf").write_bytes(b"a user's")
     write(bare, out)
     assert (out / "report.pdf").read_bytes() == b"a user's"
+
+
+@pytest.mark.parametrize("earlier", ["5", "null", "1.5", '"report.pdf"', '{"report.pdf": 1}'])
+def test_earlier_results_without_a_list_of_names_name_no_file_to_remove(
+    earlier: str, bare: Findings, tmp_path: Path
+) -> None:
+    (tmp_path / "report.pdf").write_bytes(b"a user's")
+    (tmp_path / "results.json").write_text(earlier, encoding="utf-8")
+    write(bare, tmp_path)
+    assert (tmp_path / "report.pdf").read_bytes() == b"a user's"
+    assert (tmp_path / "report.html").exists()
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="the system has no named pipes")
+def test_a_pipe_that_is_named_as_the_results_is_replaced(bare: Findings, tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "results.json")
+    write(bare, tmp_path)
+    assert (tmp_path / "results.json").is_file()
+
+
+def test_nothing_is_written_where_a_folder_has_the_name_of_a_file(
+    bare: Findings, tmp_path: Path
+) -> None:
+    (tmp_path / "results.json").mkdir()
+    with pytest.raises(IsADirectoryError):
+        write(bare, tmp_path)
+    assert [path.name for path in tmp_path.rglob("*")] == ["results.json"]
 
 
 def test_the_series_of_an_earlier_report_do_not_stay_beside_a_later_one(

@@ -1,5 +1,6 @@
 """Writes a report so that a failed or killed run leaves the earlier one whole."""
 
+import errno
 import os
 import re
 import secrets
@@ -208,6 +209,8 @@ def write_texts(
                 finished.append(path)
         targets = [target / path.relative_to(workshop) for path in finished]
         refuse_inputs(targets, read)
+        if any(path.is_dir() for path in targets):  # a file would be moved into it
+            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
         for parent in {path.parent for path in targets}:
             parent.mkdir(exist_ok=True)
         return [Path(shutil.move(*pair)) for pair in zip(finished, targets, strict=True)]

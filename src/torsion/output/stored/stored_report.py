@@ -72,8 +72,11 @@ def file_at(path: Path) -> Path:
 
 
 def names_in(file: Path) -> set[str]:
-    """Return the names of the files of a report from its results; none where they are behind a symbolic link."""
-    if file.is_symlink():
+    """Return the names of the files of a report from its results; none where they are behind a symbolic link.
+
+    A pipe is not opened: it may wait for a writer.
+    """
+    if file.is_symlink() or not file.is_file():
         return set()
     mark = NAMED.encode()
     try:
@@ -83,7 +86,7 @@ def names_in(file: Path) -> set[str]:
         names = json.loads(end.removeprefix(mark).removesuffix(END.encode()))
     except (OSError, ValueError, RecursionError):
         return set()
-    return {name for name in names if isinstance(name, str)}
+    return {name for name in names if isinstance(name, str)} if isinstance(names, list) else set()
 
 
 def naming(text: str, names: Iterable[str]) -> str:
