@@ -12,6 +12,7 @@ from torsion.model.parts import (
     CouplingRatings,
     GearRating,
     JointRecord,
+    NonlinearRecord,
     PendulumRecord,
     PropellerRecord,
 )
@@ -83,6 +84,38 @@ def test_a_part_has_the_figures_of_its_component_in_si(train: Train) -> None:
         part("propeller-1").machine.damping_factor,
     ) == ("frahm", 3.0)
     assert part("propeller-2").propeller == PropellerRecord(1.0, *[None] * 5)
+
+
+STAGE = "{from: 0.1 rad, stiffness: 200, hysteresis_torque: 3}"
+
+
+@for_all(
+    ("keys", "record"),
+    [
+        (
+            f"hysteresis_torque: {{torque: 6, stiffness: 50}}, stages: [{STAGE}]",
+            NonlinearRecord(
+                4e3, friction=((12.0, 200.0),), stages=((0.05, 800.0, (6.0, 100.0 * 800.0)),)
+            ),
+        ),
+        ("capacity: 40", NonlinearRecord(4e3, capacity=80.0)),
+        (
+            "viscous: 3, clearance: {angle: 0.2 rad, stiffness: 1e3, viscous: 5}",
+            NonlinearRecord(4e3, play=0.05, viscous=20.0),
+        ),
+        ("viscous: 3, clearance: 0.2 rad", NonlinearRecord(4e3, play=0.05, viscous=12.0)),
+        ("viscous: 3, clearance: {angle: 0.2 rad, viscous: 0}", NonlinearRecord(4e3, play=0.05)),
+    ],
+)
+def test_referred_figures_of_a_coupling_are_taken_to_half_the_speed(
+    keys: str, record: NonlinearRecord
+) -> None:
+    """Stiffness and damping four times, torques twice, angles half of those referred to the reference."""
+    text = (
+        "{name: x, train: [{motor: {inertia: 2}}, {gear: {ratio: 2, referred: true}}, "
+        f"{{coupling: {{name: c, stiffness: 1e3, {keys}}}}}, {{disc: {{inertia: 4}}}}]}}"
+    )
+    assert torsion.parse(text).train["c"].nonlinear == record
 
 
 def test_a_joint_has_its_yoke_counted_along_its_shaft_line(train: Train) -> None:

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -12,9 +13,11 @@ from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.response.component_loads import rounding
 from torsion.analyses.stability.stability_over_speed import Stability
 from torsion.analyses.stability.unstable_ranges import UnstableRange
+from torsion.analyses.undamped_modes import Modes
 from torsion.findings import Findings
 from torsion.kernels.trees.tree_response import Status
 from torsion.output import reported_values as reported
+from torsion.output.numbers import NONE
 from torsion.output.stored.scene import elements
 from torsion.rules.verdict_line import BarredRange, Check, Checks
 
@@ -213,6 +216,16 @@ def test_unstable_ranges_in_rpm(silent: Findings) -> None:
         pytest.approx((100.0, 110.0)),
         pytest.approx((300.0, 305.0)),
     ]
+
+
+def test_the_mode_of_a_barred_range_is_that_at_its_critical_speed() -> None:
+    undamped = TRAIN.replace(", viscous: 5", "").replace(", viscous: 3", "")
+    found = torsion.run(torsion.parse(undamped))
+    first, second = 2.0 * math.pi * found.need(Modes).frequency
+    band = BarredRange(first / 2.0, second, second / 2.0, "tail", order=Fraction(2))
+    assert reported.mode_of(found, band) == "2"
+    assert reported.mode_of(found, replace(band, critical=first / 2.0)) == "1"
+    assert reported.mode_of(found, replace(band, order=None)) == NONE
 
 
 @pytest.mark.parametrize(
