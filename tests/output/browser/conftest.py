@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
-from tests.output.browser.opened import Opened, Report, report
+from tests.output.browser.opened import EVERY, Opened, Report, report
 
 VIEW = {"width": 900, "height": 900}  # px
 
@@ -40,36 +40,43 @@ def reports(browser: Any, tmp_path_factory: pytest.TempPathFactory) -> Callable[
 
 
 @pytest.fixture(scope="session")
-def tabs(browser: Any) -> Callable[..., Any]:
-    """An empty tab of a browser set up in some way: one of each way for all tests, as a new one is slow."""
-    made = dict[str, Any]()
+def tabs(browser: Any, reports: Callable[[str], Report]) -> Callable[..., Opened]:
+    """The page of a scene in a browser set up in some way, as one that was never used.
 
-    def tab(**context: Any) -> Any:
-        if (way := str(sorted(context.items()))) not in made:
-            made[way] = browser.new_context(**{"viewport": VIEW, **context}).new_page()
-        tab = made[way]
-        tab.goto("about:blank")
+    One tab of each way, and of each scene of many tests, as a new one is slow. So is opening a page: it stays where
+    the test before left no trace in it.
+    """
+    tabs, shown = dict[str, Any](), dict[str, Opened]()
+
+    def opened(scene: str, **context: Any) -> Opened:
+        way = str(sorted(context.items())) if context or scene not in EVERY else scene
+        if way not in tabs:
+            tabs[way] = browser.new_context(**{"viewport": VIEW, **context}).new_page()
+        tab = tabs[way]
         tab.emulate_media(media="null", color_scheme=context.get("color_scheme", "light"))
         tab.set_viewport_size(context.get("viewport", VIEW))
-        return tab
+        if (kept := shown.get(way)) is not None:
+            if kept.report is reports(scene) and kept.is_untouched():
+                return kept
+            kept.close()
+            tab.goto("about:blank")
+        shown[way] = Opened(tab, reports(scene))
+        return shown[way]
 
-    return tab
+    return opened
 
 
 @pytest.fixture
-def opens(
-    tabs: Callable[..., Any], reports: Callable[[str], Report]
-) -> Iterator[Callable[..., Opened]]:
+def opens(tabs: Callable[..., Opened]) -> Iterator[Callable[..., Opened]]:
     """Opens the page of a scene from its file; in the end no page has said anything or requested anything else."""
     shown = list[Opened]()
 
     def opened(scene: str, **context: Any) -> Opened:
-        shown.append(Opened(tabs(**context), reports(scene)))
+        shown.append(tabs(scene, **context))
         return shown[-1]
 
     yield opened
     for one in shown:
-        one.close()
         assert one.messages == []
         assert {url for url in one.requests if not url.startswith("blob:")} == {
             one.report.file.as_uri()

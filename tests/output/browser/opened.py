@@ -65,6 +65,26 @@ class Opened:
         tab.goto(report.file.as_uri())
         if tab.evaluate("typeof STORE") == "object":  # with scripts
             tab.wait_for_selector("html.live", state="attached")
+        self._untouched = self._look()
+
+    def _look(self) -> str:
+        """All of the page but where its cursors stood that are not seen any more, in few words."""
+        look: str = self.page.evaluate("""() => {
+            const all = document.documentElement.outerHTML
+                .replace(/ aria-value(now|text)="[^"]*"/g, '')
+                .replace(/(visibility="hidden") transform="[^"]*"/g, '$1');
+            let hash = 0;
+            for (let k = 0; k < all.length; k += 1) hash = (31 * hash + all.charCodeAt(k)) | 0;
+            return `${all.length} ${hash}`;
+        }""")
+        return look
+
+    def is_untouched(self) -> bool:
+        """Whether a page that pointer, focus and Escape have left is as when it was opened."""
+        self.page.keyboard.press("Escape")
+        self.page.mouse.move(2, 2)
+        self.page.evaluate("document.activeElement?.blur(); scrollTo(0, 0)")
+        return self._look() == self._untouched and not self.messages
 
     def close(self) -> None:
         """Hear no more of the tab."""
