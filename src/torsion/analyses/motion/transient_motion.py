@@ -184,7 +184,8 @@ class TransientMotion:
     unresolved: FloatArray = result(
         "N*m",
         "span",
-        "at most so much do modes and torques too fast for the times looked at add: not in the peaks",
+        "at most so much do modes and torques too fast for the times looked at add, and where a phase is open motions "
+        "between those computed: not in the peaks",
     )
     residual: float = result(
         "1", "largest error of the balance of energy, of the largest energy of the motion"
@@ -343,8 +344,16 @@ class TransientMotion:
             # The default gives no more samples.
             is_coarse = has_shafts and len(self.time) > DEFAULT_MOST
             shafts = "fewer `segments`, `model: fem`, " if is_coarse else ""
-            message = "what is too fast for the times looked at may add more than 5 % to a peak"
-            doubts.append(f"{message}: give more `samples`, {shafts}or a shorter `duration`")
+            # A bound does not say which of the two it is of.
+            has_phases = self.phases_computed > 0
+            between = ", or between the phases computed," if has_phases else ""
+            stated = "name the `phase` in several motions, " if has_phases else ""
+            message = (
+                f"what is too fast for the times looked at{between} may add more than 5 % to a peak"
+            )
+            doubts.append(
+                f"{message}: {stated}give more `samples`, {shafts}or a shorter `duration`"
+            )
         if (self.change or 0.0) > SETTLED:
             change = 100.0 * (self.change or 0.0)
             doubts.append(f"twice as many modes change a peak by {change:.2g} %: give more `modes`")

@@ -110,8 +110,8 @@ FROM_EVENT_TO_EVENT = (
 )
 DRIVEN = METHOD.replace("to the events", "to the torques of every step")
 UNRESOLVED = (
-    "The last column bounds the torque of modes that the samples do not resolve. The checks add it to the "
-    "peak. To resolve these modes, increase `samples`."
+    "The last column bounds the torque of modes that the samples do not resolve, and of phases between those "
+    "computed. The checks add it to the peak. To resolve them, increase `samples`, or state the `phase`."
 )
 TRANSIENT_RULES = ("transient", "ice")  # rules that limit the greatest torque over time
 

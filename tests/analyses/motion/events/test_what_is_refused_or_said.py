@@ -112,6 +112,9 @@ def test_where_the_default_gives_no_more_samples_fewer_segments_are_advised() ->
         doubtful = replace(found, unresolved=found.peak, time=np.linspace(0.0, 0.01, number))
         assert "give more `samples`" in doubtful.status
         assert ("fewer `segments`, `model: fem`" in doubtful.status) == is_said
+        assert "`phase`" not in doubtful.status
+        of_phases = replace(doubtful, phases_computed=28)
+        assert "name the `phase` in several motions, give more `samples`" in of_phases.status
 
 
 MOTIONS = """name: x
