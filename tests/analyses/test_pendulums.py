@@ -18,6 +18,7 @@ from torsion.analyses.response.component_loads import harmonic_heat
 from torsion.analyses.response.pendulums import Pendulums, deflections, effective_inertia
 from torsion.assembly import assemble
 from torsion.errors import InputError
+from torsion.findings import Findings
 from torsion.model.parts import PendulumRecord
 from torsion.study import Study
 
@@ -358,3 +359,22 @@ def test_bobs_that_would_swing_past_a_right_angle_are_no_answer() -> None:
     )
     found = torsion.run(study(light))
     assert ["degrees" in one.why for one in found.plan.unanswered] == [True]
+
+
+def test_a_deflection_is_an_answer_up_to_a_right_angle() -> None:
+    """The deflection of a linear pendulum is in proportion to the torque: to 89 and to 91 degrees."""
+    text = TRAIN.split("excitations:", maxsplit=1)[0].replace(
+        "to: 6000 rpm", "to: 150 rpm, steps: 2"
+    )
+
+    def run(torque: float) -> Findings:
+        return torsion.run(study(f"{text}excitations: [{{at: a, order: 2, torque: {torque!r}}}]\n"))
+
+    (bobs,) = run(1.0).need(Pendulums).each
+    assert bobs.deflection is not None
+    degree = math.radians(1.0) / bobs.deflection
+    (near,) = run(89.0 * degree).need(Pendulums).each
+    assert near.deflection == pytest.approx(math.radians(89.0), rel=1e-12)
+    beyond = run(91.0 * degree)
+    assert beyond.get(Pendulums) is None
+    assert ["91 degrees" in row.why for row in beyond.plan.unanswered] == [True]

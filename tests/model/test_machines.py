@@ -1,10 +1,13 @@
 """Machines that drive or absorb: one set of keys; the kind says sign and usual law of load."""
 
+import math
+
 import numpy as np
 import pytest
 from tests.for_all import for_all
 
 import torsion
+from torsion.assembly import assemble
 from torsion.errors import InputError
 from torsion.model.component import component_class
 from torsion.model.machine_torques import LoadLaw, read_load
@@ -81,6 +84,26 @@ def test_power_and_torque_state_the_rated_torque_at_the_stated_speed() -> None:
     assert record("fan: {inertia: 2, torque: 30 N*m}").rated_torque(1.0) == 30.0
     assert record("fan: {inertia: 2, power: 30 W}").rated_torque(10.0) == 3.0
     assert record("fan: {inertia: 2}").rated_torque(10.0) is None
+
+
+@pytest.mark.parametrize(
+    ("damping", "expected"),
+    [
+        # 0.0231 rho D^5 (P/D)^2 EAR/pi times the speed; 30 Q/n with n in rpm; 2 Q/omega
+        ("{model: schwanecke}", 0.0231 * 1025.0 * 2.0**5 * 0.8**2 * 0.5 / math.pi * 10.0),
+        ("{model: archer, factor: 30}", 30.0 * 500.0 / (10.0 * 30.0 / math.pi)),
+        ("{model: frahm, factor: 2}", 2.0 * 500.0 / 10.0),
+    ],
+)
+def test_damping_of_a_propeller_by_its_formula(damping: str, expected: float) -> None:
+    """Diameter 2 m, pitch ratio 0.8, area ratio 0.5; 10 rad/s and 500 N m."""
+    propeller = (
+        "{propeller: {inertia: 4, diameter: 2 m, pitch_ratio: 0.8, area_ratio: 0.5, damping: DAMPING}}"
+    ).replace("DAMPING", damping)
+    text = f"{{name: x, train: [{{motor: {{inertia: 1}}}}, {{coupling: {{stiffness: 1e3}}}}, {propeller}]}}"
+    system = assemble(torsion.parse(text).train)
+    found = system.ground_damping(np.array([10.0]), np.full((len(system.stations), 1), 500.0))
+    assert found.ravel().tolist() == pytest.approx([0.0, expected], rel=1e-14)
 
 
 @for_all(
