@@ -6,7 +6,12 @@ import pytest
 
 import torsion
 from torsion.analyses.response.amplitudes import Synthesis
-from torsion.analyses.response.fillet_stresses import Fillets, hole_factor, stated_fillets
+from torsion.analyses.response.fillet_stresses import (
+    Fillets,
+    endurance,
+    hole_factor,
+    stated_fillets,
+)
 from torsion.assembly import assemble
 from torsion.errors import InputError, SolveError
 from torsion.kernels.round_sections import section_modulus
@@ -109,6 +114,20 @@ def test_fillet_on_a_flange_has_the_torque_of_its_own_side(sizes: tuple[str, str
     assert one.nominal * one.modulus == pytest.approx(
         torque.max(), rel=0.02
     )  # the shaft's own inertia is slight
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "expected"),
+    [(60, 45, 45e6), (45, 60, 45e6), (60, None, 60e6), (None, 45, 45e6), (None, None, None)],
+)
+def test_a_fillet_endures_what_the_weaker_of_its_shafts_endures(
+    first: int | None, second: int | None, expected: float | None
+) -> None:
+    stated = ("" if value is None else f", endurance: {value} MPa" for value in (first, second))
+    shafts = [f"{{shaft: {{length: 1 m, diameter: 90 mm{words}}}}}" for words in stated]
+    disc = "{disc: {inertia: 1}}"
+    train = parse(f"{{name: x, train: [{disc}, {', '.join(shafts)}, {disc}]}}").train
+    assert endurance(train, *train.bars) == expected
 
 
 def factors(text: str) -> list[float]:

@@ -11,6 +11,7 @@ from tests.output.drawn import bands, levels, plot, unit
 
 import torsion
 from torsion.analyses.response.amplitudes import Response, Synthesis
+from torsion.analyses.response.component_loads import ComponentLoads
 from torsion.analyses.response.component_loads import component_loads as component_loads_of
 from torsion.analyses.steady import Steady
 from torsion.findings import Findings
@@ -338,6 +339,56 @@ def test_torque_and_heat_of_couplings() -> None:
     assert [(row[1], row[2], row[6], row[8], row[9]) for row in rows] == [
         (NO_VALUE, "–", NO_VALUE, NO_VALUE, "–")
     ] * 2
+
+
+def test_the_bound_of_a_shaft_is_that_of_its_segment_with_the_largest_torque_at_that_speed() -> (
+    None
+):
+    """The first segment leads at the lowest speed, the second at the highest, where the total is largest."""
+    found = written(TRAIN, {"mid": 100.0 * RISE}, {"mid": 50.0 * np.ones(5)})
+    first, second = spans(found, "mid")
+    half = found.need(Synthesis).half_range.copy()
+    half[0, [first, second]] = 90.0, 20.0
+    total = replace(found.need(Synthesis), half_range=half)
+    loads = with_loads(found, synthesis=total).need(ComponentLoads)
+    (mid,) = (load for load in loads.elements if load.component == "mid")
+    assert (mid.torque, mid.speed) == (pytest.approx(110.0), 50.0)
+    assert (mid.rms, mid.bound) == (pytest.approx(0.3 * 110.0), pytest.approx(2.0 * 110.0))
+
+
+@pytest.mark.parametrize(("share", "is_moving"), [(0.5, False), (2.0, True)])
+def test_an_angle_below_the_rounding_of_the_largest_at_one_speed_is_none(
+    share: float, is_moving: bool
+) -> None:
+    """The screw turns at 2/5 of the motor's speed: 0.4e-12 of the motor's angle may be rounding there."""
+    found = written(TRAIN, {"mid": 100.0 * RISE}, {"mid": 50.0 * np.ones(5)})
+    names = [station.name for station in found.study.train.stations]
+    angle = np.zeros((5, 1, len(found.system.stations)))
+    angle[:, 0, names.index("m")] = 1.0
+    angle[:, 0, names.index("screw")] = share * 1e-12 * 2.0 / 5.0
+    loads = with_loads(found, response=replace(found.need(Response), angle=angle))
+    (screw,) = (load for load in loads.need(ComponentLoads).stations if load.station == "screw")
+    assert (screw.angle > 0.0) == is_moving
+
+
+def test_a_joint_behind_a_gear_is_loaded_at_twice_the_speed_of_its_own_shaft() -> None:
+    """At half the speed of the motor its order is 1 of the motor's, and its torque that of the only line there is."""
+    text = """
+name: x
+operation: {speeds: {from: 10 rad/s, to: 20 rad/s, steps: 2}}
+train:
+- motor: {inertia: 1}
+- coupling: {stiffness: 1e4, viscous: 9}
+- gear: {teeth: [20, 40]}
+- joint: {name: cross, angle: 10 deg, inertia: [0.1, 0.1]}
+- disc: {inertia: 2}
+analyses: {response: }
+"""
+    found = torsion.run(torsion.parse(text))
+    (load,) = found.need(ComponentLoads).joints
+    response = found.need(Response)
+    assert (load.joint, load.order, load.speed) == ("cross", 1, 20.0)
+    assert load.torque == pytest.approx(np.abs(response.torque[:, 0, spans(found, "cross")]).max())
 
 
 def test_nothing_without_a_response_or_without_such_components() -> None:

@@ -13,7 +13,7 @@ from tests.output.drawn import levels, plot
 
 import torsion
 from torsion.analyses.lateral.misaligned_shaft import MisalignedShaft
-from torsion.analyses.lateral.shaft_bending import InPlanes, ShaftFound
+from torsion.analyses.lateral.shaft_bending import InPlanes, Lateral, ShaftFound
 from torsion.analyses.lateral.tilt_stability import Tilting, TiltRange
 from torsion.analyses.stability.stability_over_speed import Stability, StabilityMap
 from torsion.analyses.stability.unstable_ranges import UnstableRange
@@ -21,6 +21,7 @@ from torsion.findings import Findings
 from torsion.output.blocks import Block, Figure, Heading, Paragraph, Table
 from torsion.output.chapters.stability_ranges import MODEL, chapter, restrictions, tilt_section
 from torsion.output.numbers import NONE
+from torsion.output.reported_values import unstable_rpm
 from torsion.rules.verdict_line import Check, Checks
 
 RPM = 30.0 / math.pi
@@ -481,6 +482,20 @@ def test_tilting_shafts_by_title_and_their_verdicts(operated: Findings) -> None:
         "unstable": [],
     }
     assert list(tilt_section(found, (still,))) == []
+
+
+def test_unstable_ranges_in_rpm_are_those_of_the_train_and_of_the_tilt_of_shafts(
+    operated: Findings,
+) -> None:
+    shafts = (
+        replace(tilting("still"), tilting=None),
+        tilting("tail", tilt_zone(310, 320, 340, "several")),
+    )
+    found = with_stability(operated, ranges=(RANGE,)).having(lateral=Lateral(shafts, ()))
+    assert list(unstable_rpm(found)) == [
+        pytest.approx((RANGE.first * RPM, RANGE.last * RPM)),
+        pytest.approx((310.0, 340.0)),
+    ]
 
 
 def test_ranges_of_the_tilt_within_and_outside_the_operation(
