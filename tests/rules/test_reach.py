@@ -1,6 +1,7 @@
 """No rule passes over what it was not judged at: speeds that end below the rated one, or begin above it."""
 
 import math
+from functools import cache
 
 import pytest
 
@@ -42,6 +43,7 @@ OF_NO_RANGE = ("minimum diameter", "T_KN", "major critical speed")
 SOFT = "cases: {soft: {scale: {rubber.stiffness: 90 %}}}\n"  # societies demand another stiffness
 
 
+@cache
 def solved(rule, first=240, last=1500, load="constant", more=""):
     scene = (
         SCENE if "engine-maker" in rule else SCENE.replace(", role: crank", "")
