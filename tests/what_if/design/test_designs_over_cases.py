@@ -108,7 +108,7 @@ def test_the_true_optimum_of_a_mixed_choice_is_found(mixed: str, folder: Path) -
         study, analyses={key: one for key, one in study.analyses.items() if key != "design"}
     )
     work = Work(own, {}, ruled=rules.needed(own), solve=torsion.run)
-    axes = np.arange(float(ROWS)), np.linspace(40, 75, 6), np.linspace(-90, 90, 5)
+    axes = np.arange(float(ROWS)), np.linspace(40, 75, 6), np.linspace(-90, 90, 3)
     grid = np.array(list(product(*axes)))
     answers = solved(work, study.variations["design"], grid, 2, judged=True)
     margins = -np.log([used for used, _ in answers.checks.values()])
