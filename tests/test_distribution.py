@@ -16,6 +16,11 @@ from torsion.cli import app
 
 ROOT = Path(__file__).parent.parent
 BUILD = "import setuptools.build_meta as backend; print(backend.build_sdist('.'))"
+NEW = """import torsion
+from torsion.cli import app
+print(torsion.__file__)
+app(["new", "scene.yaml"])
+"""
 
 
 def run(*words: str, folder: Path, path: Path | None = None) -> str:
@@ -42,10 +47,7 @@ def test_a_scene_is_solved_by_the_unpacked_distribution(tmp_path: Path) -> None:
         archive.extractall(away, **safely)
     (unpacked,) = away.glob("torsion-*")
     assert (unpacked / "LICENSE").is_file()
-    assert run(
-        "-c", "import torsion; print(torsion.__file__)", folder=away, path=unpacked / "src"
-    ).startswith(str(away))
-    run("-m", "torsion", "new", "scene.yaml", folder=away, path=unpacked / "src")
+    assert run("-c", NEW, folder=away, path=unpacked / "src").startswith(str(away))
     run("-m", "torsion", "solve", "scene.yaml", "-o", "out", folder=away, path=unpacked / "src")
     assert json.loads((away / "out" / "results.json").read_text(encoding="utf-8"))["modes"][
         "frequency_Hz"

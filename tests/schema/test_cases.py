@@ -205,7 +205,9 @@ analyses: {{modes: {{count: 3}}, response: {{}}}}
     ],
 )
 def test_every_section_is_reached_by_its_key(case: str, pair: tuple[str, str]) -> None:
-    base = BASE + SECTIONS
+    base = (
+        replaced(BASE, ("tolerance: 10 %, ", "")) + SECTIONS
+    )  # whose corners take half of the time
     hand = replaced(base, pair)
     if "rules: []" in case:
         hand = hand.replace("rules: [coupling-maker]\n", "")

@@ -101,7 +101,7 @@ def test_of_long_lines_every_value_is_one_that_was_computed(
     }
     source, *_ = figures
     assert len(figures) > 1
-    for share in np.linspace(0.003, 0.997, 40):
+    for share in np.linspace(0.003, 0.997, 16):
         page.hover(source, float(share))
         for name, figure in figures.items():
             assert max(line.x.size for line in figure.lines.values()) > MOST_POINTS

@@ -3,9 +3,16 @@
 import re
 import zlib
 from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 
 import pytest
 from tests.output.browser.opened import EVERY, Opened
+from tests.output.conftest import BARE, solved
+from tests.output.test_running_head import every_page_is_marked, needs_reader, pages, submitted
+
+from torsion.output.document import document
+from torsion.output.pages.html import html
 
 
 def streams(pdf: bytes) -> list[bytes]:
@@ -55,3 +62,19 @@ def test_a_page_in_use_prints_as_an_untouched_one_and_as_without_scripts(
     seen = page.page.locator("figure > svg:not(.train)").all()
     assert len(seen) == len(page.report.figures)
     assert all(one.is_visible() for one in seen)
+
+
+@needs_reader
+def test_a_browser_prints_number_revision_origin_and_page_on_every_page(
+    browser: Any, tmp_path: Path
+) -> None:
+    page = browser.new_page()
+    for made, identity in (
+        (submitted(tmp_path), "TVC_{1} 100 % · revision B"),
+        (document(solved(BARE)), "two discs"),
+    ):
+        (tmp_path / "a.html").write_text(html(made), encoding="utf-8")
+        page.goto((tmp_path / "a.html").as_uri())
+        page.pdf(path=tmp_path / "a.pdf", prefer_css_page_size=True)
+        every_page_is_marked(pages(tmp_path / "a.pdf"), made, identity)
+    page.close()
