@@ -371,6 +371,11 @@ class TransientMotion:
                 "with backlash, friction, stages or clutches, a few phases may miss the worst one of a pulsation: "
                 "name its `phase`, in several motions"
             )
+        if len(self.slip_phase) > 1:  # one after another: the worst pair may differ in both
+            doubts.append(
+                f"{len(self.slip_phase)} phases are open, of which the worst together may be missed: "
+                "name all but one `phase`, in several motions"
+            )
         if abs(self.slowed or 0.0) > SPEED_KEPT:
             slows = (self.slowed or 0.0) < 0.0
             what = "the ice slows the train"

@@ -143,3 +143,36 @@ analyses:
     assert verdicts == ["fail", "pass"]
     assert "name its `phase`, in several motions" in words[0]
     assert words[1] == "ok"
+
+
+def test_two_open_phases_never_pass_where_a_pair_is_worse_than_those_computed() -> None:
+    text = """name: x
+operation: {rated: {speed: 1500 rpm}}
+train:
+- motor: {name: m, inertia: 4}
+- coupling: {stiffness: 3e4, viscous: 6, max_torque: 1e4}
+- disc: {inertia: 6}
+- coupling: {name: c, stiffness: 6e4, viscous: 6, max_torque: 3100}
+- motor: {name: n, inertia: 5}
+analyses:
+  transient:
+    duration: 0.7 s
+    initial: rest
+    tolerance: 1e-3
+    samples: 1500
+    events:
+    - at: m
+      start: {torque: [[0 rpm, 1500], [9000 rpm, 1500]], synchronous: 1500 rpm, slip_pulsation: [[0 rpm, 500], [9000 rpm, 500]]FIRST}
+    - at: n
+      start: {torque: [[0 rpm, 1500], [9000 rpm, 1500]], synchronous: 1500 rpm, line: 60 Hz, slip_pulsation: [[0 rpm, 500], [9000 rpm, 500]]SECOND}
+"""  # noqa: E501
+    checks, words = [], []
+    for first, second in (("", ""), (", phase: 80 deg", ", phase: 280 deg")):
+        found = torsion.run(torsion.parse(text.replace("FIRST", first).replace("SECOND", second)))
+        lines = found.results["checks"].lines
+        checks += [line for line in lines if line.where == "c" and "T_Kmax" in line.clause]
+        words.append(found.results["transient"].each[0].status)
+    assert checks[0].value < 3100.0 < checks[1].value
+    assert [check.verdict for check in checks] == ["fail", "fail"]
+    assert "name all but one `phase`, in several motions" in words[0]
+    assert words[1] == "ok"
