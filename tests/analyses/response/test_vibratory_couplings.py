@@ -130,11 +130,16 @@ def test_solutions_of_two_orders_are_those_of_a_dense_scan() -> None:
     found = two_orders()
     angle, size = np.linspace(0.0, 4.0 * math.pi, 2001), np.linspace(0.5, 3000.0, 3000)
     k, eta = np.interp(size, AT, K), np.interp(size, AT, ETA)
+    torques = {1.0: 100.0, 1.5: 50.0 * np.exp(1j * math.pi / 6.0)}
+    turning = np.array([np.exp(1j * order * angle) for order in torques])
     for place in range(0, len(found.speed), 9):
-        wave = np.zeros((len(size), len(angle)))
-        for order, torque in ((1.0, 100.0), (1.5, 50.0 * np.exp(1j * math.pi / 6.0))):
-            made = two_masses(order * found.speed[place], k, eta, torque)
-            wave += np.real(made[:, None] * np.exp(1j * order * angle))
+        made = np.transpose(
+            [
+                two_masses(order * found.speed[place], k, eta, torque)
+                for order, torque in torques.items()
+            ]
+        )
+        wave = made.real @ turning.real - made.imag @ turning.imag
         excess = (wave.max(axis=1) - wave.min(axis=1)) / 2.0 - size
         changes = size[np.flatnonzero(np.diff(np.sign(excess)))]
         assert found.following.number[place, 0] == len(changes)
