@@ -101,8 +101,9 @@ def test_of_long_lines_every_value_is_one_that_was_computed(
     }
     source, *_ = figures
     assert len(figures) > 1
-    for share in np.linspace(0.003, 0.997, 16):
-        page.hover(source, float(share))
+    (left, high), (right, _) = (page.spot(source, share) for share in (0.003, 0.997))
+    for across in np.linspace(left, right, 40):
+        page.page.mouse.move(float(across), high)
         for name, figure in figures.items():
             assert max(line.x.size for line in figure.lines.values()) > MOST_POINTS
             x = next(iter(figure.lines.values())).x
