@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ from typer.testing import CliRunner
 import torsion
 from torsion.cli import app
 from torsion.output.headline import headline
+from torsion.rules import of_study
 from torsion.rules.class_rules import m68, society_limits
 from torsion.rules.class_rules.m68_shafts import (
     SLOT_FACTOR,
@@ -232,6 +234,15 @@ def test_the_share_that_is_near_the_limit_of_passing_is_a_setting(tmp_path: Path
     _, word, rows = solve(scene(60.0, 450, torque, settings="near_transient: 50 %"), tmp_path)
     assert (word, rows[BARRED]["verdict"]) == ("FAIL", "fail")
     assert "stated by user" in rows[BARRED]["note"]
+
+    # The share of the stress itself, as near as its rounding, is near; one above it is not.
+    used = next(row["utilisation"] for (clause, _), row in rows.items() if clause == "tau_T")
+    text = scene(60.0, 450, torque, settings="near_transient: NEAR")
+    found = torsion.run(torsion.parse(text.replace("NEAR", "0.5")))
+    for share, verdict in ((used * (1.0 + 1e-12), "fail"), (used * (1.0 + 1e-6), "not judged")):
+        stated = replace(found, study=torsion.parse(text.replace("NEAR", repr(share))))
+        (rule,) = of_study(stated.study)
+        assert [row.verdict for row in rule.judge(stated) if row.what == BARRED[1]] == [verdict]
 
 
 @pytest.mark.parametrize("name", ["m68-300", "m68-400"])

@@ -108,12 +108,16 @@ def test_what_no_number_of_phases_says_is_added_to_the_peak(harmonic: int, doubt
     assert (np.max(worst.unresolved) > 0.0) == (doubt > 0.0)
 
 
-def test_the_motion_of_several_phases_is_as_doubtful_as_the_most_doubtful_of_them() -> None:
+def test_the_motion_of_several_phases_has_the_ends_and_the_doubts_of_the_worst_of_them() -> None:
     parts = "disc: {name: d, inertia: 2}, coupling: {stiffness: 1e4, clearance: 0.02 rad}, disc: {inertia: 3}"
     found = moved(parts, {"duration": 0.2, "initial": {"speed": {"d": "5 rad/s"}}})
     assert found.switching is not None
     several = [(0.9, 1e-5, None), (0.4, 3e-5, 7.0), (None, 2e-5, None), (0.7, 0.0, 4.0)]
     doubts = itertools.cycle(several)
+    # greatest and when, least and when, left in the series
+    ends = itertools.cycle(
+        [(50.0, 0.1, -30.0, 0.2, 0.1), (20.0, 0.3, -90.0, 0.4, 0.3), (70.0, 0.5, -10.0, 0.6, 0.2)]
+    )
 
     def solve(given: TransientSettings) -> TransientMotion:
         late, change, scatter = next(doubts)
@@ -124,7 +128,17 @@ def test_the_motion_of_several_phases_is_as_doubtful_as_the_most_doubtful_of_the
             band_change=change,
             scatter=None if scatter is None else np.full(1, scatter),
         )
-        return replace(found, torque=torque, unresolved=np.full(1, change), switching=switching)
+        *turns, left = next(ends)
+        names = "greatest", "greatest_at", "least", "least_at"
+        extremes = {name: np.full(1, value) for name, value in zip(names, turns, strict=True)}
+        return replace(
+            found,
+            torque=torque,
+            unresolved=np.full(1, change),
+            switching=switching,
+            left_in_series=left,
+            **extremes,
+        )
 
     start = {
         "torque": [["0 rpm", 1.0], ["100 rpm", 1.0]],
@@ -138,6 +152,9 @@ def test_the_motion_of_several_phases_is_as_doubtful_as_the_most_doubtful_of_the
     assert worst.switching is not None
     count = worst.phases_computed
     assert count >= 3
+    assert (worst.greatest, worst.greatest_at) == (70.0, 0.5)
+    assert (worst.least, worst.least_at) == (-90.0, 0.4)
+    assert worst.left_in_series == 0.3
     assert worst.switching.sensitive_after == 0.4
     assert worst.switching.band_change == 3e-5
     assert worst.switching.scatter == pytest.approx([7.0])
