@@ -78,8 +78,14 @@ def transient(
             all_modes = study.train.has_nonlinear_couplings
             modes = kept_modes(system, "all" if all_modes else settings.modes, path)
         frequency = np.empty(0) if modes is None else modes[0].frequency
-        limits = [part.ratings and part.ratings.max_torque for part in study.train.parts]
-        limit = [limits[part] or np.nan for part in system.span_part.tolist()]
+        parts = [study.train.parts[number] for number in system.span_part.tolist()]
+        rated = [part.greatest_torque(is_rare=False) for part in parts]
+        # A part with a limit on the range alone is looked at too.
+        ranges = [part.ratings and part.ratings.max_torque_range for part in parts]
+        limit = [
+            stated[1] if stated else extent or np.nan
+            for stated, extent in zip(rated, ranges, strict=True)
+        ]
         worst = worst_motion(settings, solve, np.array(limit, dtype=float), frequency, path)
     else:
         worst = solve(settings)

@@ -176,3 +176,29 @@ analyses:
     assert [check.verdict for check in checks] == ["fail", "fail"]
     assert "name all but one `phase`, in several motions" in words[0]
     assert words[1] == "ok"
+
+
+def test_phases_are_searched_for_a_limit_on_the_range_as_for_one_on_the_torque() -> None:
+    """Beside a coupling with a limit on its torque; without it the range was 5 % too low."""
+    start = {
+        "torque": [["0 rpm", 1500.0], ["9000 rpm", 1500.0]],
+        "synchronous": "1500 rpm",
+        "slip_pulsation": [["0 rpm", 1200.0], ["9000 rpm", 1200.0]],
+    }
+    body = {
+        "duration": 0.7,
+        "initial": "rest",
+        "events": [{"at": "m", "start": start}],
+        "tolerance": 1e-3,
+        "samples": 1500,
+    }
+    ranges = [
+        moved(
+            "disc: {name: m, inertia: 4}, "
+            "coupling: {stiffness: 3e6, viscous: 300, max_torque: 2e5}, disc: {inertia: 1}, "
+            f"coupling: {{stiffness: 1.5e4, viscous: 6, {limit}}}, disc: {{inertia: 3}}",
+            body,
+        ).range[1]
+        for limit in ("max_torque_range: 1e4", "max_torque: 1e3")
+    ]
+    assert ranges[0] == pytest.approx(ranges[1], rel=2e-3)
