@@ -145,11 +145,8 @@ def test_every_table_is_as_wide_as_the_page_on_screen_and_on_paper(
         assert found == []
 
 
-@pytest.mark.parametrize("screen", ["light", "dark"])
-def test_without_scripts_there_is_the_static_figure(
-    opens: Callable[..., Opened], screen: str
-) -> None:
-    page = opens("usv", java_script_enabled=False, color_scheme=screen)
+def test_without_scripts_there_is_the_static_figure(opens: Callable[..., Opened]) -> None:
+    page = opens("usv", java_script_enabled=False)
     assert page.page.locator("figure > svg[role=img]").count() == len(page.report.figures)
     for made in ("rect.area", ".tools", "button", ".values", ".train", "dialog"):
         assert page.page.locator(made).count() == 0
