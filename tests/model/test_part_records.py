@@ -7,6 +7,7 @@ import pytest
 from tests.for_all import for_all
 
 import torsion
+from torsion.errors import InputError
 from torsion.model import KINDS
 from torsion.model.parts import (
     CouplingRatings,
@@ -116,6 +117,35 @@ def test_referred_figures_of_a_coupling_are_taken_to_half_the_speed(
         f"{{coupling: {{name: c, stiffness: 1e3, {keys}}}}}, {{disc: {{inertia: 4}}}}]}}"
     )
     assert torsion.parse(text).train["c"].nonlinear == record
+
+
+@for_all(
+    ("keys", "words"),
+    [
+        ("max_torque: 7, hysteresis_torque: 6.9", ""),
+        ("max_torque: 7, hysteresis_torque: 7", "the friction of 7 N m is not below the maximum"),
+        ("max_torque: 7, hysteresis_torque: [3, 4]", "the friction of 7 N m is not below"),
+        ("max_torque: 7, max_torque_rare: 7", ""),
+        ("max_torque: 7, max_torque_rare: 6.9", "6.9 N m is below the 7 N m of `max_torque`"),
+        ("stages: [{from: 0.1 rad, stiffness: 2}, {from: 0.11 rad, stiffness: 3}]", ""),
+        (
+            "stages: [{from: 0.1 rad, stiffness: 2}, {from: 0.1 rad, stiffness: 3}]",
+            "stages come in the order of the twists",
+        ),
+    ],
+)
+def test_figures_of_a_coupling_that_contradict_each_other_are_refused(
+    keys: str, words: str
+) -> None:
+    text = (
+        "{name: x, train: [{disc: {inertia: 2}}, "
+        f"{{coupling: {{stiffness: 1e3, {keys}}}}}, {{disc: {{inertia: 4}}}}]}}"
+    )
+    if not words:
+        torsion.parse(text)
+        return
+    with pytest.raises(InputError, match=words):
+        torsion.parse(text)
 
 
 def test_a_joint_has_its_yoke_counted_along_its_shaft_line(train: Train) -> None:
