@@ -14,7 +14,7 @@ import torsion
 from torsion.analyses.damped_modes import damped
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.stability.floquet_exponents import Search, growth_search
-from torsion.analyses.stability.mean_speed import drift_slope, missing_slope
+from torsion.analyses.stability.mean_speed import SLOW, drift_ends, drift_slope, missing_slope
 from torsion.analyses.stability.periodic_orbits import PeriodicResponse
 from torsion.analyses.stability.stability_over_speed import Stability, StabilityMap
 from torsion.analyses.steady import steady
@@ -610,3 +610,16 @@ def test_law_of_a_drive_without_a_mean_torque_and_beside_a_motion_over_time_is_r
         "the `drive` of 'motor' follows the mean speed and does not act in a transient response"
         in str(caught.value)
     )
+
+
+def test_a_drift_ends_where_it_reaches_the_least_that_counts() -> None:
+    """A parabola above it between 1.5 and 3.5 rad/s; beside a speed without a drift the last one that has it."""
+    speeds = np.array([1.0, 2.0, 3.0, 4.0])
+
+    def drift(speed: float) -> float:
+        return SLOW + (speed - 1.5) * (3.5 - speed)
+
+    values = np.array([drift(speed) for speed in speeds.tolist()])
+    assert drift_ends(drift, speeds, values) == pytest.approx((1.5, 3.5), rel=2e-6)
+    values[[0, 3]] = np.nan
+    assert drift_ends(drift, speeds, values) == (2.0, 3.0)

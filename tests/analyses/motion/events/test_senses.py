@@ -159,3 +159,35 @@ def test_the_motion_of_several_phases_has_the_ends_and_the_doubts_of_the_worst_o
     assert worst.switching.band_change == 3e-5
     assert worst.switching.scatter == pytest.approx([7.0])
     assert worst.unresolved == pytest.approx([3e-5])
+
+
+def test_finer_times_of_reclosing_are_those_of_the_worst_senses() -> None:
+    """The torque grows toward 0.22 s, and is the greater where the fault brakes first."""
+    found = moved(
+        "disc: {name: d, inertia: 2}, coupling: {stiffness: 1e4}, disc: {inertia: 3}",
+        {"duration": 0.1},
+    )
+    fault = {
+        "coefficients": {"line": 1.0},
+        "decay": [0.1, 0.1],
+        "clear": 0.15,
+        "reclose": [0.2, 0.24],
+    }
+    settings = TransientSettings.model_validate(
+        {"duration": 1.0, "events": [{"at": "d", "short-circuit": fault}]}
+    )
+    computed = list[tuple[str, float]]()
+
+    def solve(given: TransientSettings) -> TransientMotion:
+        body = given.events[0].body
+        computed.append((body.sense, body.reclose[0]))
+        torque = 9.0 - 100.0 * abs(body.reclose[0] - 0.22) + (body.sense == "brakes")
+        return replace(found, greatest=np.full(1, torque))
+
+    worst = worst_motion(settings, solve, np.full(1, np.nan), np.full(1, 5.0), ())
+    assert {sense for sense, _ in computed} == {"drives", "brakes"}
+    assert len(set(computed)) == len(computed) == worst.faults_computed
+    sense, time = max(
+        computed, key=lambda pair: (pair[0] == "brakes") - 100.0 * abs(pair[1] - 0.22)
+    )
+    assert worst.worst_fault == f"it {sense} first, reclosed after {time:.6g} s"
