@@ -30,3 +30,11 @@ def test_of_one_verdict_the_larger_share_is_worse(verdict) -> None:
     low, high = check(verdict, 0.2), check(verdict, 0.7)
     assert rank(high) > rank(low)
     assert min((low, high), key=check_words.rank) is high
+
+
+@pytest.mark.parametrize(
+    ("share", "grade"),
+    [(0.49, "low"), (0.5, "middle"), (0.79, "middle"), (0.8, "high"), (0.99, "high")],
+)
+def test_a_pass_is_graded_at_a_half_and_at_four_fifths_of_its_limit(share, grade) -> None:
+    assert check_words.use(check("pass", share)).grade == grade
