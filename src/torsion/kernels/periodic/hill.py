@@ -164,7 +164,7 @@ def hill_exponents(
     else:  # a coordinate without inertia has infinite exponents
         right = np.eye(2 * total, dtype=complex)
         right[total:, total:] = inert
-    value, vector = _eigen(left / w0, right, solving, number)
+    value, vector = _eigen(np.asarray(left / w0, dtype=complex), right, solving, number)
     scale = np.abs(value) < 10.0 * number  # of w0; what lies beyond is infinite or not resolved
     value, shape = value[scale] * w0, vector[:total, scale].T.reshape(-1, size, number)
     weight = (np.abs(shape) ** 2).sum(axis=1)
