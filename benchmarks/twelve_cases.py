@@ -18,7 +18,7 @@ from torsion.findings import Findings
 from torsion.output.document import document
 from torsion.output.pages.html import html
 
-TIMES, BYTES = 4.0, 2_000_000  # of one case, of the page
+TIMES, BYTES = 7.0, 2_000_000  # of one case, of the page
 ONE = """name: Six cylinders, gearbox and propeller
 operation:
   at: engine
