@@ -181,7 +181,8 @@ def _ended(scene: Path, folder: Path) -> str:
         if began.returncode not in (0, 1):
             _run(scene, out)
         kept = sum(path.stat().st_mtime_ns == when for path, when in left.items())
-        says = stated.decode().strip() if began.returncode >= 0 else ""
+        said = stated.decode().strip().replace(f"{folder}/", "")
+        says = said if began.returncode >= 0 else ""
         equal = "yes" if _answers(out) == known else "NO"
         rows.append(
             (what, str(began.returncode), f"{len(left)} of {count}", str(kept), equal, says or "-")
