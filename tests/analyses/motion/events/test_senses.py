@@ -46,6 +46,21 @@ def test_a_load_in_proportion_to_the_speed_ends_a_run_up_on_either_side() -> Non
         assert found == pytest.approx(sign * 90.0 / 4.0 * (1.0 - math.exp(-4.0 / 5.0)), rel=1e-9)
 
 
+OPEN = {  # a start whose phase is open
+    "duration": 1.0,
+    "events": [
+        {
+            "at": "d",
+            "start": {
+                "torque": [["0 rpm", 1.0], ["100 rpm", 1.0]],
+                "synchronous": "1500 rpm",
+                "slip_pulsation": [["0 rpm", 1.0], ["100 rpm", 1.0]],
+            },
+        }
+    ],
+}
+
+
 @dataclass(frozen=True)
 class Superposed:
     """A motion whose torques (spans, samples) are a mean torque and a wave of the phase."""
@@ -66,14 +81,7 @@ def test_the_worst_phase_adds_to_a_mean_torque_of_either_sense(sign: float) -> N
     time = np.linspace(0.0, 1.0, 200)
     mean = sign * np.array([300.0 * time, -500.0 * (1.0 - time)])
     wave = np.array([80.0 * time * np.exp(9j * time), (50.0 + 20.0j) * np.exp(-4j * time)])
-    start = {
-        "torque": [["0 rpm", 1.0], ["100 rpm", 1.0]],
-        "synchronous": "1500 rpm",
-        "slip_pulsation": [["0 rpm", 1.0], ["100 rpm", 1.0]],
-    }
-    settings = TransientSettings.model_validate(
-        {"duration": 1.0, "events": [{"at": "d", "start": start}]}
-    )
+    settings = TransientSettings.model_validate(OPEN)
 
     def solve(given: TransientSettings) -> Superposed:
         return Superposed(mean + np.real(wave * np.exp(-1j * given.events[0].body.phase)))
@@ -89,14 +97,7 @@ def test_the_worst_phase_adds_to_a_mean_torque_of_either_sense(sign: float) -> N
 
 @pytest.mark.parametrize(("harmonic", "doubt"), [(2, 0.0), (17, 80.0)])
 def test_what_no_number_of_phases_says_is_added_to_the_peak(harmonic: int, doubt: float) -> None:
-    start = {
-        "torque": [["0 rpm", 1.0], ["100 rpm", 1.0]],
-        "synchronous": "1500 rpm",
-        "slip_pulsation": [["0 rpm", 1.0], ["100 rpm", 1.0]],
-    }
-    settings = TransientSettings.model_validate(
-        {"duration": 1.0, "events": [{"at": "d", "start": start}]}
-    )
+    settings = TransientSettings.model_validate(OPEN)
 
     def solve(given: TransientSettings) -> Superposed:
         wave = np.cos(harmonic * given.events[0].body.phase)
@@ -140,14 +141,7 @@ def test_the_motion_of_several_phases_has_the_ends_and_the_doubts_of_the_worst_o
             **extremes,
         )
 
-    start = {
-        "torque": [["0 rpm", 1.0], ["100 rpm", 1.0]],
-        "synchronous": "1500 rpm",
-        "slip_pulsation": [["0 rpm", 1.0], ["100 rpm", 1.0]],
-    }
-    settings = TransientSettings.model_validate(
-        {"duration": 1.0, "events": [{"at": "d", "start": start}]}
-    )
+    settings = TransientSettings.model_validate(OPEN)
     worst = worst_motion(settings, solve, np.full(1, np.nan), np.ones(1), ())
     assert worst.switching is not None
     count = worst.phases_computed
