@@ -21,11 +21,8 @@ from torsion.analyses.motion.transient_motion import TransientMotion
 from torsion.arrays import ComplexArray, FloatArray, IntArray
 from torsion.errors import Fault, InputError, Path
 
-FEWEST, MOST, MOST_OF_SWITCHING = (
-    3,
-    24,
-    6,
-)  # equally spaced phases; where laws switch no number is enough
+FEWEST, MOST = 3, 24  # equally spaced phases
+MOST_OF_SWITCHING = 6  # where laws switch: no number is enough there, and nothing passes
 GRID = 180  # phases at which the series is evaluated
 BETWEEN = 0.382  # of the distance of two phases: where no higher harmonic has the value of the one it is taken for
 ALIKE = math.radians(4.0)  # phases nearer than that are one: a cosine there is 1 to 0.25 %
