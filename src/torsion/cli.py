@@ -85,14 +85,14 @@ def solve(
     xlsx: Write the results as a workbook, results.xlsx.
     memory: Memory that a response may need, as 4GB (default: 2GB).
     """
-    from torsion import commands
+    from torsion.commands import outputs, solved
 
     writing = {"--vtu": vtu, "--pdf": pdf, "--csv": csv, "--xlsx": xlsx, "--full": full}
     refuse_with_json(json, {**writing, "--matrices": matrices, "-o": out})
-    requested = commands.outputs(pdf=pdf, vtu=vtu, figures=csv, tables=csv, data=csv, xlsx=xlsx)
-    solved = partial(commands.solved, file, case=case, memory=memory)
+    requested = outputs(pdf=pdf, vtu=vtu, figures=csv, tables=csv, data=csv, xlsx=xlsx)
+    findings = partial(solved, file, case=case, memory=memory)
     shown = {"is_full": full, "is_verbose": verbose}
-    print_report("solve", file, out, solved, requested, as_json=json, matrices=matrices, **shown)
+    print_report("solve", file, out, findings, requested, as_json=json, matrices=matrices, **shown)
 
 
 @command

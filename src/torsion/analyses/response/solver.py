@@ -154,7 +154,7 @@ def by_magnitude(answers: Sequence[Answer]) -> Answer:
             np.array([answer.torque for answer in answers]),
         )
     )
-    residual = np.max([answer.residual for answer in answers], axis=0)
+    residual = np.max(np.stack([answer.residual for answer in answers]), axis=0)
     return Answer(angle, torque, residual, np.max([answer.status for answer in answers], axis=0))
 
 

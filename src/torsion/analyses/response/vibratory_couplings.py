@@ -158,7 +158,7 @@ class _Train:
         order = np.lexsort((-size, point))
         number = np.bincount(point, minlength=len(points))
         rank_of_root = np.minimum(
-            np.arange(max(number.max(initial=1), 1)), np.maximum(number, 1)[:, None] - 1
+            np.arange(int(number.max(initial=1))), np.maximum(number, 1)[:, None] - 1
         )
         first_root = np.searchsorted(point[order], all_points)[:, None]
         padded = np.append(size[order], np.nan)

@@ -166,7 +166,10 @@ def couple_harmonics(
     slope, tilt = 0.5 * given * np.tan(bend), 0.5 * given * np.sin(bend)
     sign = 1.0 if convention == "N" else -1.0
     before, behind = (slope, tilt) if carrier == "driving" else (tilt, slope)
+    normal = np.asarray(1j * sign * slope, dtype=complex)
+    before_in_plane = np.asarray(sign * before + 0j, dtype=complex)
+    behind_in_plane = np.asarray(-sign * behind + 0j, dtype=complex)
     return (
-        CoupleHarmonics(before, 1j * sign * slope, sign * before + 0j),
-        CoupleHarmonics(behind, -1j * sign * slope, -sign * behind + 0j),
+        CoupleHarmonics(before, normal, before_in_plane),
+        CoupleHarmonics(behind, -normal, behind_in_plane),
     )

@@ -136,7 +136,7 @@ def balance(
             reached = np.linalg.norm(left)
             longest = float(np.abs(part * move).max())
             near = CLOSE * _amplitude(trial) + ROUNDING * float(np.abs(trial).max())
-            is_close = longest * reached <= near * size  # if the next step gains as much
+            is_close = bool(longest * reached <= near * size)  # if the next step gains as much
             if last or reached < (GAINED if is_borrowed else 1.0) * size or is_close:
                 break
         else:

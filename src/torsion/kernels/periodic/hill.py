@@ -218,7 +218,7 @@ def _eigen(
     left_real, right_real = in_cosines(left), None if right is None else in_cosines(right)
     if not number:
         value, vector = eig(left_real, right_real, check_finite=False)
-        return value, turn(of_cosines, vector)
+        return value, turn(of_cosines, np.asarray(vector, dtype=complex))
     null = turn(of_harmonics, solving).real
     turned = onto = np.linalg.qr(null, mode="complete")[0]
     weight = np.eye(len(left))

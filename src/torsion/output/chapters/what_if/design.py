@@ -164,7 +164,7 @@ def _figures(design: Design, *, is_margin: bool) -> Iterator[Figure]:
 def _cells(design: Design, title: str) -> Cells | None:
     """Return the values of the grid without those of refinements; None if there was no grid."""
     axes = [np.unique(values, return_counts=True) for values in design.values.T]
-    x, y = (values[counts >= max(2, counts.max() // 2)] for values, counts in axes)
+    x, y = (values[counts >= max(2, int(counts.max()) // 2)] for values, counts in axes)
     if min(len(x), len(y)) < 2 or len(x) * len(y) > 1.2 * len(design.values):
         return None
     values = np.full((len(y), len(x)), np.nan)
