@@ -18,6 +18,7 @@ import torsion
 from torsion.command_endings import (
     described,
     make_streams_last,
+    outputs,
     print_report,
     refusals,
     refuse_with_json,
@@ -85,7 +86,7 @@ def solve(
     xlsx: Write the results as a workbook, results.xlsx.
     memory: Memory that a response may need, as 4GB (default: 2GB).
     """
-    from torsion.commands import outputs, solved
+    from torsion.runner import solved
 
     writing = {"--vtu": vtu, "--pdf": pdf, "--csv": csv, "--xlsx": xlsx, "--full": full}
     refuse_with_json(json, {**writing, "--matrices": matrices, "-o": out})
@@ -120,7 +121,6 @@ def sweep(
     fresh: Remove the parts that are there and begin anew.
     csv: Write every variant to variants.csv, and as `solve` does.
     """
-    from torsion import commands
     from torsion.sweeping import sweeper
     from torsion.sweeping.cluster import Workplace
 
@@ -135,7 +135,7 @@ def sweep(
         notice=partial(say, err=True),
     )
     try:
-        requested = commands.outputs(pdf=pdf, figures=csv, tables=csv, data=csv)
+        requested = outputs(pdf=pdf, figures=csv, tables=csv, data=csv)
         print_report("solve", file, out, solved, requested, as_json=False, is_verbose=verbose)
     except (KeyboardInterrupt, SystemExit) as ended:
         typer.echo(
@@ -239,7 +239,7 @@ def report(
     from torsion.output.pages.terminal import show
 
     with refusals(results):
-        requested = commands.outputs(pdf=pdf, figures=csv, tables=csv)
+        requested = outputs(pdf=pdf, figures=csv, tables=csv)
         document, folder = commands.report(results, out, also=requested)
         show(document, folder, is_verbose=verbose or document.name != "solve")
     stop(*document.ending.unanswered, status=document.ending.status)

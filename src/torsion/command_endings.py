@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 import typer
 
-from torsion.errors import BAD_INPUT, REFUSED, InputError, SolveError, without_controls
+from torsion.errors import BAD_INPUT, REFUSED, InputError, SolveError
+from torsion.user_files import without_controls
 
 if TYPE_CHECKING:
     from torsion.findings import Findings, Progress
@@ -133,24 +134,24 @@ def print_report(
 
     What has no answer is said on the error stream, last.
     """
-    from torsion import commands
-
     with refusals(file):
         with show_progress() as report_progress:
             findings = solve(progress=report_progress)
         if as_json:
-            from torsion.output.reports import REPORTS
-            from torsion.output.stored.results_json import text
+            from torsion.output.stored.results_json import KEYS, text
 
-            typer.echo(text(findings, REPORTS[report].keys), nl=False)
+            typer.echo(text(findings, KEYS.get(report, ())), nl=False)
         else:
+            from torsion.commands import folder_of, write
             from torsion.output.pages.terminal import show
 
-            folder = commands.folder_of(file, out, findings.study.case)
-            document = commands.write(findings, folder, report, also=also, is_full=is_full)
+            folder = folder_of(file, out, findings.study.case)
+            document = write(findings, folder, report, also=also, is_full=is_full)
             show(document, folder, is_verbose=is_verbose)
         if matrices is not None:
-            say(commands.write_matrices(findings, matrices))
+            from torsion.commands import write_matrices
+
+            say(write_matrices(findings, matrices))
     stop(*findings.without_answer, status=findings.exit_status)
 
 
@@ -168,6 +169,11 @@ def show_progress() -> "AbstractContextManager[Progress]":
     from torsion.output.pages.terminal import progress
 
     return progress()
+
+
+def outputs(**requested: bool) -> tuple[str, ...]:
+    """Return the outputs that are requested by their name."""
+    return tuple(name for name, is_requested in requested.items() if is_requested)
 
 
 def refuse_with_json(json: bool, writing: dict[str, object]) -> None:

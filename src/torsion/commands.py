@@ -18,10 +18,10 @@ from torsion.analyses.discretisation import (
 )
 from torsion.analyses.undamped_modes import ModesSettings, modes_settings
 from torsion.assembly.system import System
-from torsion.errors import Fault, InputError, Refusal, nearest, printable, refusal
-from torsion.findings import NORMAL, Findings, Plan, Progress, silent
+from torsion.errors import Fault, InputError, Refusal, refusal
+from torsion.findings import Findings, Plan, Progress, silent
 from torsion.rules import needed, not_judged
-from torsion.runner import run
+from torsion.runner import one_case, run, solved
 from torsion.schema.scene_reader import located, read
 from torsion.study import Case, Study
 
@@ -71,35 +71,9 @@ def solve(
     """
     findings = solved(file, case=case, memory=memory, progress=progress)
     folder = folder_of(file, out, findings.study.case)
-    write(findings, folder, also=outputs(pdf=pdf, vtu=vtu), is_full=full)
+    also = [name for name, is_requested in (("pdf", pdf), ("vtu", vtu)) if is_requested]
+    write(findings, folder, also=also, is_full=full)
     return findings
-
-
-def solved(
-    file: str | Path,
-    *,
-    case: str | None = None,
-    memory: str | float | None = None,
-    progress: Progress = silent,
-) -> Findings:
-    """Read, solve and judge a scene; nothing is written. memory: as of `run`; case: one alone, "normal" without any."""
-    study = read(file)
-    return run(study if case is None else one_case(study, case), memory=memory, progress=progress)
-
-
-def one_case(study: Study, case: str | None) -> Study:
-    """Return the study without its cases, or one of them; raise InputError where none goes by that name."""
-    if case is None or (case == NORMAL and study.cases):
-        return replace(study, cases={})
-    if case in study.cases:
-        return study.cases[case]
-    hint = "a file states them under `cases: {...}`"
-    if near := nearest(case, study.cases):
-        hint = f"did you mean '{near}'?"
-    elif study.cases:
-        hint = f"there is {', '.join((NORMAL, *study.cases))}"
-    fault = Fault(("cases",), f"no case is called '{printable(case)}'", hint, at_key=True)
-    raise located(InputError([fault]), study)
 
 
 def _omit(
@@ -110,11 +84,6 @@ def _omit(
         words = f"`torsion {command}` computes one case: the nominal case, or the one of --case; `torsion solve` solves all"
         omitted = (*omitted, (f"the cases {', '.join(scene.cases)}", words))
     return replace(findings, plan=replace(findings.plan, left_out=omitted))
-
-
-def outputs(**requested: bool) -> tuple[str, ...]:
-    """Return the outputs that are requested by their name."""
-    return tuple(name for name, is_requested in requested.items() if is_requested)
 
 
 def folder_of(file: str | Path, out: str | Path | None, case: Case | None = None) -> Path:

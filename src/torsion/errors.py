@@ -5,11 +5,6 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-_REORDERING = "\xad\u061c\u180e\u200b\u200e\u200f\u2028-\u202e\u2060-\u206f\ufeff\ufff9-\ufffb\U000e0000-\U000e007f"
-CONTROLS = re.compile(  # characters that a terminal obeys, that reorder or hide text, or that no file can hold
-    f"[\0-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff{_REORDERING}]"
-)
-REORDERING = re.compile(f"[{_REORDERING}]")
 SOLVED, FAILED_CHECK, BAD_INPUT, REFUSED = 0, 1, 2, 3  # exit status of the commands
 Path = tuple[
     str | int, ...
@@ -94,18 +89,3 @@ def nearest(word: str, candidates: Iterable[str], cutoff: float = 0.6) -> str | 
     holding = [candidate for candidate in by_plain if plain in candidate.split("_")]
     close = close or (holding if len(holding) == 1 else [])
     return by_plain[close[0]] if close else None
-
-
-def without_controls(text: str) -> str:
-    """Return the text with '?' for each control character but tabs and line breaks, and for what is not UTF-8.
-
-    >>> without_controls("a " + chr(27) + "[31mred")
-    'a ?[31mred'
-    """
-    return CONTROLS.sub("?", text)
-
-
-def printable(text: str, longest: int = 60) -> str:
-    """Return the text as a message quotes it: cut, and '?' for what cannot be shown."""
-    shown = "".join(sign if sign.isprintable() else "?" for sign in text[:longest])
-    return shown if len(text) <= longest else f"{shown}…"

@@ -25,9 +25,9 @@ from pydantic import (
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import core_schema
 
-from torsion import units
-from torsion.errors import Refusal, printable
-from torsion.units import USUAL, UsualRange
+from torsion.errors import Refusal
+from torsion.units import USUAL, UsualRange, example, needs_unit, speak, to_si, written
+from torsion.user_files import printable
 
 # In SI, of any number but 0: squares and cubes of these are numbers too.
 SMALLEST, LARGEST = 1e-60, 1e60
@@ -165,13 +165,13 @@ class Quantity:
         """The value in `unit`; raises the located fault that the user sees."""
         try:
             if isinstance(value, str):
-                return self._within(units.to_si(value, self.unit), *units.written(value, self.unit))
+                return self._within(to_si(value, self.unit), *written(value, self.unit))
             if isinstance(value, bool) or not isinstance(value, int | float):
                 unit = "" if self.unit == "1" else f" with a unit, {self.unit}"
-                message = f"{shown(value)} is not {units.speak(self.unit)}"
+                message = f"{shown(value)} is not {speak(self.unit)}"
                 raise refuse(message, f"write a number{unit}")
-            if units.needs_unit(self.unit):
-                message = f"{shown(value)} has no unit; {units.speak(self.unit)} must carry one"
+            if needs_unit(self.unit):
+                message = f"{shown(value)} has no unit; {speak(self.unit)} must carry one"
                 raise refuse(message, "deg or rad" if self.unit == "rad" else "rpm or rad/s")
             return self._within(float(value), self.unit, 1.0)
         except OverflowError:
@@ -188,18 +188,18 @@ class Quantity:
         what, meant = _READING.get()
         if not (meant or self.range.holds(number)):
             lifts = f"; if it is meant, `unusual: true` on the {what} says so" if what else ""
-            written, usual = number / size, self.range
+            stated, usual = number / size, self.range
 
             # What is written with the first unit that makes it usual, as a question; else what it may be.
             likely = (
-                _with_unit(written, meant)
+                _with_unit(stated, meant)
                 for meant in usual.slip
-                if (value := written * units.to_si(f"1 {meant}", self.unit)) and usual.holds(value)
+                if (value := stated * to_si(f"1 {meant}", self.unit)) and usual.holds(value)
             )
             is_small = (abs(number) if usual.low > 0.0 else number) < usual.low
             guess = next(likely, usual.below if is_small else usual.above)
             hint = f"{guess + '? ' if guess else ''}usual: {self.usual_words(unit, size)}{lifts}"
-            raise refuse(f"{_with_unit(written, unit)} is outside the usual range", hint)
+            raise refuse(f"{_with_unit(stated, unit)} is outside the usual range", hint)
         if number and not SMALLEST <= abs(number) <= LARGEST:
             hint = f"in SI from {SMALLEST:g} to {LARGEST:g}, or 0"
             raise refuse(
@@ -237,8 +237,8 @@ class Quantity:
         self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
     ) -> JsonSchemaValue:
         meaning = f"a number with a unit; in SI: {self.unit}; usually {self.usual_words()}"
-        text = {"description": meaning, "examples": [units.example(self.unit)]} | WITH_UNIT
-        plain = text if units.needs_unit(self.unit) else {"anyOf": [{"type": "number"}, text]}
+        text = {"description": meaning, "examples": [example(self.unit)]} | WITH_UNIT
+        plain = text if needs_unit(self.unit) else {"anyOf": [{"type": "number"}, text]}
         return plain | {"x-usual": self.range.ends}
 
 

@@ -4,11 +4,11 @@ import math
 import time
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
-from torsion import rules
 from torsion.analyses import ANALYSES, ordered
-from torsion.errors import Fault, InputError, SolveError
+from torsion.errors import Fault, InputError, SolveError, nearest
 from torsion.findings import (
     NORMAL,
     Findings,
@@ -20,11 +20,13 @@ from torsion.findings import (
     Work,
     silent,
 )
+from torsion.rules import needed, not_judged, of_study, rule, standing_verdicts, verdicts
 from torsion.rules.verdict_line import BarredRange, Check, Checks, rank, with_basis, worst_checks
-from torsion.schema.scene_reader import located
+from torsion.schema.scene_reader import located, read
 from torsion.schema.study_faults import study_faults
 from torsion.sources import SOURCES, Citations, collected
 from torsion.study import Study, bytes_of
+from torsion.user_files import printable
 
 ESSENTIAL = ("sections", "assembly")  # without which nothing else stands
 DEFAULT = ("modes", "response")  # analyses of a file that names none
@@ -169,12 +171,12 @@ def _solve_one(
 ) -> Findings:
     """Return the findings of a study with its cylinders as they are, without its cases."""
     names = _with_dependencies(only) if only else ANALYSES
-    judged_rules = (rule for rule in study.rules if {*rules.rule(*rule).needs} <= {*names})
+    judged_rules = (entry for entry in study.rules if {*rule(*entry).needs} <= {*names})
     judged = replace(study, rules=tuple(judged_rules))
     work = Work(
         judged,
         progress=progress,
-        ruled=rules.needed(judged),
+        ruled=needed(judged),
         solve=run,
         answered=answered,
     )
@@ -261,7 +263,7 @@ def _add_demanded_speeds(findings: Findings, study: Study, progress: Progress) -
     start = time.perf_counter()
     try:
         # With them go those that change the response, where the rules of vibration read it.
-        analyses = rules.needed(above) | {
+        analyses = needed(above) | {
             name
             for name in ("engine", "coupling temperatures", "nonlinear peaks")
             if name in above.analyses or ANALYSES[name].is_wanted(above)
@@ -353,26 +355,53 @@ def _with_dependencies(only: Collection[str]) -> list[str]:
 
 def _judge(work: Work) -> None:
     """Return the verdicts of the rules: of those that always hold, and of those that the file names."""
-    checks = rules.standing_verdicts(work)
+    checks = standing_verdicts(work)
     if not work.study.rules:
         work.log.without("rules", "the file names none")
     else:
         with work.log.step("rules", "the file names them") as step:
-            checks_found = rules.verdicts(work)
+            checks_found = verdicts(work)
             step.method = ", ".join(name for name, _ in work.study.rules)
             step.size = f"{len(checks_found)} checks"
         from torsion.rules.demands import unjudged_variants
 
         of_variants = (with_basis(check, "") for check in unjudged_variants(work.study))
         checks += (*checks_found, *of_variants)
-        for rule in rules.of_study(work.study):
-            judged = (check.clause for check in checks_found if check.rule == rule.name)
+        for judging in of_study(work.study):
+            judged = (check.clause for check in checks_found if check.rule == judging.name)
             clauses = dict.fromkeys(judged)
-            verified = rule.settings.verified
+            verified = judging.settings.verified
             for clause in (verified.clauses or ()) if verified else ():
                 if clause not in clauses:
                     reason = f"its clauses are {', '.join(clauses)}"
-                    work.log.without(f"{rule.name}: verified clause '{clause}'", reason)
-        for what, why in rules.not_judged(work.study):
+                    work.log.without(f"{judging.name}: verified clause '{clause}'", reason)
+        for what, why in not_judged(work.study):
             work.log.without(what, why)
     work.put(checks=Checks(checks))
+
+
+def solved(
+    file: str | Path,
+    *,
+    case: str | None = None,
+    memory: str | float | None = None,
+    progress: Progress = silent,
+) -> Findings:
+    """Read, solve and judge a scene; nothing is written. memory: as of `run`; case: one alone, "normal" without any."""
+    study = read(file)
+    return run(study if case is None else one_case(study, case), memory=memory, progress=progress)
+
+
+def one_case(study: Study, case: str | None) -> Study:
+    """Return the study without its cases, or one of them; raise InputError where none goes by that name."""
+    if case is None or (case == NORMAL and study.cases):
+        return replace(study, cases={})
+    if case in study.cases:
+        return study.cases[case]
+    hint = "a file states them under `cases: {...}`"
+    if near := nearest(case, study.cases):
+        hint = f"did you mean '{near}'?"
+    elif study.cases:
+        hint = f"there is {', '.join((NORMAL, *study.cases))}"
+    fault = Fault(("cases",), f"no case is called '{printable(case)}'", hint, at_key=True)
+    raise located(InputError([fault]), study)

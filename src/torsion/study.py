@@ -13,11 +13,12 @@ from pydantic import AfterValidator, BeforeValidator, Field
 
 from torsion import fields
 from torsion.arrays import FloatArray
-from torsion.errors import Fault, refusal, without_controls
+from torsion.errors import Fault, refusal
 from torsion.fields import Declared, OneOrMany, Quantity, Sized, given, needs, refuse, required
 from torsion.model.machine_torques import Load
 from torsion.results import RPM, Displayed, listed, one_line
 from torsion.train import Train
+from torsion.user_files import without_controls
 
 ModalRatio = Annotated[float, Quantity("1", at_least=0, below=1, usual="damping ratio")]
 MEMORY = 2e9  # bytes that a response may need where nothing else is said

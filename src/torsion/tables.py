@@ -17,8 +17,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from torsion import units
-from torsion.errors import REORDERING, Fault, Refusal, printable
-from torsion.user_files import LARGEST_SIGNAL, LARGEST_TABLE, read_file
+from torsion.errors import Fault, Refusal
+from torsion.user_files import LARGEST_SIGNAL, LARGEST_TABLE, REORDERING, printable, read_file
 
 MOST_ROWS = 100_000
 _NO_VALUE = r"#(?:[A-Z]+[!?]|DIV/0!|N/A|NV)"  # what a spreadsheet writes for a formula without one

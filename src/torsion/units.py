@@ -17,7 +17,8 @@ from functools import cache, lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from torsion.errors import Refusal, nearest, printable
+from torsion.errors import Refusal, nearest
+from torsion.user_files import printable
 
 if TYPE_CHECKING:
     from pint import UnitRegistry

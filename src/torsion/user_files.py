@@ -1,4 +1,4 @@
-"""How files of a user are read, and a text with the place of every value in it.
+"""How files of a user are read, a text with the place of every value in it, and how a text of a user is shown.
 
 A file is a regular one of a stated size at most, read as bytes; nothing else opens one.
 """
@@ -17,6 +17,11 @@ from typing import Any
 
 from torsion.errors import Fault, Path
 
+_REORDERING = "\xad\u061c\u180e\u200b\u200e\u200f\u2028-\u202e\u2060-\u206f\ufeff\ufff9-\ufffb\U000e0000-\U000e007f"
+CONTROLS = re.compile(  # characters that a terminal obeys, that reorder or hide text, or that no file can hold
+    f"[\0-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff{_REORDERING}]"
+)
+REORDERING = re.compile(f"[{_REORDERING}]")
 _BREAK = re.compile(r"\r\n|[\n\r\x85\u2028\u2029]")
 LARGEST_SCENE = 10_000_000  # bytes; a train of 20,000 stations has about 3 MB
 LARGEST_TABLE = 20_000_000  # bytes; 200 a row of the longest table
@@ -157,3 +162,18 @@ def end_of(text: str) -> tuple[int, int]:
 def line_starts(text: str) -> list[int]:
     """Position in a text at which each of its lines begins."""
     return [0, *(ending.end() for ending in _BREAK.finditer(text))]
+
+
+def without_controls(text: str) -> str:
+    """Return the text with '?' for each control character but tabs and line breaks, and for what is not UTF-8.
+
+    >>> without_controls("a " + chr(27) + "[31mred")
+    'a ?[31mred'
+    """
+    return CONTROLS.sub("?", text)
+
+
+def printable(text: str, longest: int = 60) -> str:
+    """Return the text as a message quotes it: cut, and '?' for what cannot be shown."""
+    shown = "".join(sign if sign.isprintable() else "?" for sign in text[:longest])
+    return shown if len(text) <= longest else f"{shown}…"

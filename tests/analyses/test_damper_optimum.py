@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import yaml
 
-from torsion.commands import solved
+from torsion.runner import solved
 
 RING, HOUSING, WHEEL, STIFFNESS = 0.4, 1.0, 50.0, 1e5
 

@@ -19,8 +19,9 @@ import pytest
 from tests.faults.mutations import KINDS, SCENES, mutation
 
 from torsion.analyses.undamped_modes import Modes
-from torsion.commands import plan, solved
+from torsion.commands import plan
 from torsion.errors import InputError, SolveError
+from torsion.runner import solved
 
 MUTATIONS, BATCHES = 240, 8
 LONGEST = 30  # s of a mutation

@@ -9,10 +9,10 @@ from tests.for_all import for_all
 from tests.output.drawing.kinds import BUMP, KINDS, SPEED
 
 import torsion
-from torsion.commands import solved
 from torsion.output.figures.figure import Figure
 from torsion.output.report_figures import csv_of
 from torsion.output.write import write
+from torsion.runner import solved
 
 SCENES = Path(torsion.__file__).parents[2] / "shafting_specs"
 

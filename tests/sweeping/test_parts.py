@@ -461,3 +461,19 @@ def test_every_case_has_parts_of_its_own(tmp_path: Path, short: None) -> None:
         same(found.each[name].need(Sweep), one.need(Sweep))
     assert SweepFolder(tmp_path / "heavy").parts.is_dir()
     assert taken.solved == 16
+
+
+def test_parts_that_the_first_misfire_has_solved_are_not_counted_as_there_before(
+    tmp_path: Path, short: None
+) -> None:
+    diesel = (Path(__file__).parents[2] / "shafting_specs" / "diesel_misfire.yaml").read_text(
+        encoding="utf-8"
+    )
+    sweep = "  sweep: {vary: {rubber coupling.stiffness: {uniform: 10 %}}, samples: 128, results: [modes]}\n"
+    text = diesel.replace("misfire: 6", "misfire: worst").replace("rules: [", f"{sweep}rules: [")
+    taken = Sweeper(tmp_path)
+    torsion.run(torsion.parse(text), only=["sweep"], answered=taken)
+    assert (taken.kept, taken.solved) == (0, 8)
+    again = Sweeper(tmp_path)
+    torsion.run(torsion.parse(text), only=["sweep"], answered=again)
+    assert (again.kept, again.solved) == (8, 0)

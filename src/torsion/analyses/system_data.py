@@ -14,11 +14,12 @@ import numpy as np
 from torsion.assembly.elements import Element, damps, elements
 from torsion.assembly.section.solved_sections import stress_modulus
 from torsion.assembly.segments import bar_segments
-from torsion.errors import InputError, without_controls
+from torsion.errors import InputError
 from torsion.findings import Results, Work
 from torsion.model.parts import GearRating, MachineRecord
 from torsion.primitives import Inertia, SectionMesh
 from torsion.results import reported, result
+from torsion.user_files import without_controls
 
 if TYPE_CHECKING:
     from torsion.analyses.steady import Steady

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from torsion.command_endings import say
-from torsion.errors import printable, refusal
+from torsion.errors import refusal
 from torsion.exchange.comparison import (
     CaseComparison,
     compare_results,
@@ -21,6 +21,7 @@ from torsion.output.pages.html import html as render_page
 from torsion.output.pages.terminal import show
 from torsion.output.reports import REPORTS
 from torsion.rules.verdict_line import WORDS
+from torsion.user_files import printable
 
 SHORT = 12  # digits of a checksum
 DISCLAIMER = "Both calculations are as they were reported; nothing was solved again."

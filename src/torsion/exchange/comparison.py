@@ -13,11 +13,11 @@ from typing import Any
 import numpy as np
 
 from torsion.arrays import FloatArray
-from torsion.errors import printable, refusal
+from torsion.errors import refusal
 from torsion.findings import Findings
 from torsion.output.stored.results_json import results
 from torsion.rules.verdict_line import WORDS, Verdict
-from torsion.user_files import LARGEST_RESULTS, read_file
+from torsion.user_files import LARGEST_RESULTS, printable, read_file
 
 FORMAT, PARTS = 1, {"scene", "stations", "spans", "checks"}
 TOLERANCE = 1e-6  # relative difference of a value or a utilisation that counts as a change

@@ -5,11 +5,12 @@ from fractions import Fraction
 from pathlib import Path
 
 from torsion.analyses.discretisation import assembled
-from torsion.commands import one_case
-from torsion.errors import Fault, InputError, printable, refusal
+from torsion.errors import Fault, InputError, refusal
 from torsion.exchange.modelica import modelica
 from torsion.exchange.state_space import state_space, write_state_space
+from torsion.runner import one_case
 from torsion.schema.scene_reader import located, read
+from torsion.user_files import printable
 
 FORMS = ".mo (Modelica), .npz (Python) or .mat (MATLAB)"
 

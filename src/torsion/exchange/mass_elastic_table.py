@@ -10,11 +10,11 @@ from fractions import Fraction
 from pathlib import Path
 
 from torsion import units
-from torsion.errors import Fault, printable, refusal, without_controls
+from torsion.errors import Fault, refusal
 from torsion.schema.fault_text import input_error
 from torsion.schema.yaml_source import is_number
 from torsion.tables import Cell, Table, head_of, table_text, unit_fault
-from torsion.user_files import Source
+from torsion.user_files import Source, printable, without_controls
 
 # fmt: off
 TITLES = {  # what a column states: its titles in small letters

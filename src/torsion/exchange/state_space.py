@@ -16,8 +16,9 @@ from torsion.analyses.steady import steady_if_known
 from torsion.arrays import FloatArray
 from torsion.assembly.matrices import matrices
 from torsion.assembly.system import System
-from torsion.errors import Fault, InputError, nearest, printable, refusal
+from torsion.errors import Fault, InputError, nearest, refusal
 from torsion.study import Study
+from torsion.user_files import printable
 
 
 @dataclass(frozen=True)

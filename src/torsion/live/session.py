@@ -12,7 +12,6 @@ import numpy as np
 
 from torsion.analyses import ANALYSES
 from torsion.analyses.undamped_modes import Modes
-from torsion.commands import one_case
 from torsion.errors import Fault, InputError, SolveError
 from torsion.findings import Progress, silent
 from torsion.output.blocks import Block, Heading, PageEnd, Paragraph
@@ -24,7 +23,7 @@ from torsion.output.figures.figure import Figure
 from torsion.output.pages.html import fragment
 from torsion.results import listed
 from torsion.rules import rule
-from torsion.runner import run
+from torsion.runner import one_case, run
 from torsion.schema.scene_reader import read, reread
 from torsion.schema.variants.overlay import in_words
 from torsion.schema.variants.variation import Variation, movable

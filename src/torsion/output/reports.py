@@ -20,7 +20,6 @@ class Report:
     files: Mapping[str, str] = field(
         default_factory=dict
     )  # output: name of its file, where that is not the stem's
-    keys: tuple[str, ...] = ()  # of the results in JSON, beside the head; () for all
     more: tuple[str, ...] = ()  # appendices of the full report, before the steps
     columns: str = ""  # chapter's function that gives the columns of the CSV; "" for no CSV
 
@@ -73,14 +72,12 @@ REPORTS = {
             "closing:input_file",
         ),
         "joints",
-        keys=("joints", "checks"),
         columns="joint_motion:columns",
     ),
     "check": Report(
         "Models of a shaft train compared",
         ("model_comparison", "closing:steps", "closing:input_file"),
         "check",
-        keys=("check",),
     ),
     "compare": Report("Two calculations compared", (), "compare"),
     "study": Report(

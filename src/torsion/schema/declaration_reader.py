@@ -12,12 +12,13 @@ from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails, PydanticUndefined
 
 from torsion import units
-from torsion.errors import Fault, Path, Refusal, nearest, printable
+from torsion.errors import Fault, Path, Refusal, nearest
 from torsion.fields import Declared, Quantity, shown
 from torsion.model import KINDS, KINDS_BY_ALIAS
 from torsion.model.component import Component, component_class
 from torsion.schema import template
 from torsion.schema.fault_text import without_mark, words_for
+from torsion.user_files import printable
 
 KEYS_BY_ALIAS = {  # of components, and of mappings within them
     "OD": "diameter",

@@ -4,10 +4,10 @@ import re
 from collections.abc import Iterable
 from dataclasses import replace
 
-from torsion.errors import Fault, InputError, printable, without_controls
+from torsion.errors import Fault, InputError
 from torsion.model import KINDS
 from torsion.rules import RULES
-from torsion.user_files import Source
+from torsion.user_files import Source, printable, without_controls
 
 _WIDTH = 120  # characters quoted of a longer line
 _BEFORE = 60  # of these in front of the caret

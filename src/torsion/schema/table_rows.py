@@ -13,7 +13,7 @@ from typing import Any
 from pydantic import BaseModel
 
 from torsion import units
-from torsion.errors import Fault, InputError, nearest, printable
+from torsion.errors import Fault, InputError, nearest
 from torsion.fields import Amount, Quantity, shown
 from torsion.model import KINDS, KINDS_BY_ALIAS
 from torsion.model.component import component_class
@@ -21,7 +21,7 @@ from torsion.schema.aliases import aliases_of
 from torsion.schema.declaration_reader import entries_of, items_of, key_for, keys_of
 from torsion.schema.yaml_source import is_number, parse_source, resolved
 from torsion.tables import FORMULA_ERROR, Cell, Table, head_of, unit_fault
-from torsion.user_files import Node, Source
+from torsion.user_files import Node, Source, printable
 
 SECTIONS = "sections"  # of a shaft
 TRAIN, KIND = "train", "kind"  # the column of a train that says the kind of every row

@@ -13,11 +13,20 @@ from typing import Any
 
 import yaml
 
-from torsion.errors import CONTROLS, REORDERING, Fault, InputError, printable
+from torsion.errors import Fault, InputError
 from torsion.schema import template
 from torsion.schema.declaration_reader import ALIAS
 from torsion.schema.fault_text import input_error, missing_mark
-from torsion.user_files import LARGEST_SCENE, Node, Source, end_of, read_file
+from torsion.user_files import (
+    CONTROLS,
+    LARGEST_SCENE,
+    REORDERING,
+    Node,
+    Source,
+    end_of,
+    printable,
+    read_file,
+)
 
 _DEEPEST = 50  # lists and mappings within each other; the deepest sensible scene has about ten
 _TOO_DEEP = f"more than {_DEEPEST} lists and mappings within each other"

@@ -16,12 +16,12 @@ from typing import Any
 
 import numpy as np
 
-from torsion.errors import printable, refusal
+from torsion.errors import refusal
 from torsion.findings import Work, version
 from torsion.output.table_text import inert
 from torsion.output.write import inputs
 from torsion.study import Study, Variation
-from torsion.user_files import LARGEST_SIGNAL, read_file
+from torsion.user_files import LARGEST_SIGNAL, printable, read_file
 from torsion.what_if.sweep.sweep_settings import SweepSettings
 from torsion.what_if.variants.chunks import Answers, Chunk, Part
 

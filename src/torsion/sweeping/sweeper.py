@@ -5,11 +5,11 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 
-from torsion.commands import OTHER_FOLDER, folder_of, one_case
+from torsion.commands import OTHER_FOLDER, folder_of
 from torsion.errors import Fault, InputError, SolveError, refusal
 from torsion.findings import Findings, Progress, Work, silent
 from torsion.processes import shared_out
-from torsion.runner import run
+from torsion.runner import one_case, run
 from torsion.schema.scene_reader import located, read
 from torsion.study import Variation
 from torsion.sweeping.cluster import Workplace, answers_of_workers, check_workplace, unprotected
@@ -84,7 +84,7 @@ def swept(
     progress: Progress = silent,
     notice: Callable[[str], object] = print,
 ) -> Findings:
-    """Read, solve and judge a scene as `commands.solved`; what its variants answer is kept in `out` as it comes.
+    """Read, solve and judge a scene as `runner.solved`; what its variants answer is kept in `out` as it comes.
 
     Parts that are there are not solved again; `fresh`: they are removed first. workplace: who answers the chunks. csv:
     all variants as a table too. notice: is given what the user should know. Raises InputError, also where the file

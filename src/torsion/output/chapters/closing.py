@@ -10,7 +10,6 @@ import numpy as np
 from torsion.analyses.response.amplitudes import Response
 from torsion.analyses.response.component_loads import ComponentLoads
 from torsion.analyses.undamped_modes import Modes
-from torsion.errors import without_controls
 from torsion.findings import Findings, LeftOut
 from torsion.output.blocks import Block, Heading, KeyValues, Paragraph, Points, Verbatim, table
 from torsion.output.check_words import basis
@@ -21,7 +20,7 @@ from torsion.output.stored.scene import checksum, curve_files
 from torsion.primitives import SectionMesh
 from torsion.results import listed
 from torsion.rules.verdict_line import Check, Checks
-from torsion.user_files import LARGEST_SIGNAL, read_file
+from torsion.user_files import LARGEST_SIGNAL, read_file, without_controls
 
 
 def chapter(findings: Findings) -> Iterator[Block]:

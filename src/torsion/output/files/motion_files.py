@@ -53,4 +53,4 @@ def motion(document: Document, findings: Findings) -> Callable[[Path], list[Path
             files.append(target)
         return files
 
-    return write if exported and not document.report.keys else None
+    return write if exported and document.name == "solve" else None

@@ -8,7 +8,7 @@ from torsion.output.table_text import one_line
 def designed(document: Document, findings: Findings) -> str | None:
     """Its text, with what was chosen in the first lines; None where nothing was."""
     design, variation = findings.results.get("design"), findings.study.variations.get("design")
-    if design is None or variation is None or not design.picked.size or document.report.keys:
+    if design is None or variation is None or not design.picked.size or document.name != "solve":
         return None
     words = [
         f"{figure.name}: {figure.chosen}" + (f", before {figure.before}" if figure.before else "")
@@ -26,7 +26,7 @@ def designed(document: Document, findings: Findings) -> str | None:
 def fitted(document: Document, findings: Findings) -> str | None:
     """The text of the file; None where nothing was fitted."""
     fit = findings.results.get("fit")
-    if fit is None or document.report.keys:
+    if fit is None or document.name != "solve":
         return None
     changes = "".join(
         f"# {figure.name}: {figure.given} -> {figure.fitted}\n" for figure in fit.figures

@@ -15,10 +15,10 @@ from rich.markup import escape
 from rich.table import Table as Grid
 from rich.text import Text
 
-from torsion.errors import without_controls
 from torsion.findings import Progress
 from torsion.output.blocks import Box, Heading, Paragraph, Points, Table
 from torsion.output.document import Document
+from torsion.user_files import without_controls
 
 COLOURS = {
     "pass": "green",

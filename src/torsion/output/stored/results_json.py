@@ -114,6 +114,8 @@ END = "\n}\n"  # of a file of results
 SERIES = "series.npz"  # beside results.json
 MOST_NUMBERS = 1_000_000  # of an array that is written as a list
 MOST_LISTED = 3_000_000  # of all arrays that are written as lists, about 60 MB of text; of later ones MOST_OF_A_CASE
+# Of the results in JSON, those that a command prints beside the head; `solve` prints all.
+KEYS = {"joint": ("joints", "checks"), "check": ("check",)}
 MOST_TEXT = 100_000_000  # bytes of results that are printed
 LEAST_TEXT = 3  # bytes of a number in a list
 MOST_OF_A_CASE = (

@@ -26,7 +26,7 @@ from pydantic import (
 from pydantic_core import CoreSchema, core_schema
 
 from torsion.arrays import BoolArray, FloatArray, IntArray
-from torsion.errors import printable
+from torsion.user_files import printable
 
 DTYPES = {
     "f": "<f8",

@@ -14,15 +14,15 @@ from pathlib import Path
 from typing import Any, get_args
 
 import torsion
-from torsion.errors import Fault, InputError, printable
+from torsion.errors import Fault, InputError
 from torsion.findings import Findings
 from torsion.output.blocks import Block
 from torsion.output.document import Document
 from torsion.output.figures.figure import Picture
 from torsion.output.reports import REPORTS
-from torsion.output.stored.results_json import END, makers, write_json
+from torsion.output.stored.results_json import END, KEYS, makers, write_json
 from torsion.output.stored.stored_data import Arrays, plain, restored
-from torsion.user_files import LARGEST_RESULTS, read_file
+from torsion.user_files import LARGEST_RESULTS, printable, read_file
 
 FORMAT = 1
 KEY = "report"  # of a report in a file of results
@@ -40,7 +40,7 @@ CONTROL = re.compile(  # in JSON text of no report
 
 def rendered(document: Document, findings: Findings) -> Callable[[Path], list[Path]]:
     """Return a writer of the results and their report into a file, and of very long arrays into another beside it."""
-    parts = makers(findings, document.report.keys)
+    parts = makers(findings, KEYS.get(document.name, ()))
     return partial(write_json, parts, ending=partial(stored, document))
 
 

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import BaseModel
 
-from torsion.errors import Fault, InputError, Path, Refusal, nearest, printable
+from torsion.errors import Fault, InputError, Path, Refusal, nearest
 from torsion.fields import Declared, OneOrMany, Quantity, given, shown
 from torsion.findings import NORMAL
 from torsion.model.parts import CouplingRatings, GearRating, Part
@@ -16,7 +16,7 @@ from torsion.schema.declaration_reader import declared, entries_of
 from torsion.schema.fault_text import input_error
 from torsion.schema.variants.overlay import Overlay, in_words, multiplied, remove_components
 from torsion.study import Case, CaseStates, Change, SpeedRange, Study, case_folder
-from torsion.user_files import Node, Source
+from torsion.user_files import Node, Source, printable
 
 FROM, TOLERANCES = "from", "tolerances"
 CORNERS = {"soft": -1, "stiff": 1}  # cases of the tolerances: all couplings together at one end

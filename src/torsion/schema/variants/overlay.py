@@ -9,11 +9,11 @@ from fractions import Fraction
 from typing import Any
 
 from torsion import units
-from torsion.errors import Fault, Path, Refusal, nearest, printable
+from torsion.errors import Fault, Path, Refusal, nearest
 from torsion.fields import shown
 from torsion.schema.declaration_reader import KEYS_BY_ALIAS, SECTIONS_BY_ALIAS, entries_of
 from torsion.study import Change, Study
-from torsion.user_files import Node, Source
+from torsion.user_files import Node, Source, printable
 
 SECTIONS = (
     "materials",
