@@ -264,6 +264,7 @@ def component_loads(evidence: Results) -> ComponentLoads:
         elif limits is not None:
             table = system.tables.get(spans[0])
             damping = system.loss_factor[spans[0]] + system.viscous[spans[0]]
+            # A coupling without limits and damping has nothing to be compared with, and no heat.
             if not (limits.limit_anything or (table.damps if table else damping > 0)):
                 continue
             mean = None if steady is None else float(np.abs(steady.torque[spans]).max())
@@ -337,6 +338,7 @@ def _element_loads(evidence: Results) -> tuple[tuple[ElementLoad, ...], tuple[Pe
             continue
         orders = np.where(is_reliable, size, np.nan)
         smallest = SMALLEST * np.nanmax(np.append(orders, 0.0))
+        # The peaks of each order, without those that no reader would look for.
         listed = []
         for line, values in enumerate(orders.T):
             for speed in local_maxima(values):
@@ -348,6 +350,7 @@ def _element_loads(evidence: Results) -> tuple[tuple[ElementLoad, ...], tuple[Pe
         peaks += sorted(listed, key=lambda peak: -peak.torque)
 
         torque = element.largest(total.half_range)
+        # What may be rounding of the largest torque of the train is none.
         torque = np.where(torque < nothing[spans].min(), 0.0, torque)
         if not (is_reliable.all() and np.isfinite(torque).all()):
             loads.append(ElementLoad(element.name, *[None] * 7))

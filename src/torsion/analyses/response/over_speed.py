@@ -110,6 +110,7 @@ def response(
         (float(excitation.line.circular_frequency(requested[-1:])[0]) for excitation in excited),
         default=0.0,
     )
+    # Shafts resolve the fastest component at the last speed, and so all others.
     system = resolving(system, highest / (2.0 * math.pi), refine=refine)
     points = requested
     if also is not None:
@@ -232,6 +233,7 @@ def _solve(
                 second_order = (2.0 * abs(error.amplitude) + error.order * angle) ** 2
                 np.maximum(joint_error, second_order, out=joint_error)
 
+    # Each solution of couplings by table is a response; where a speed has fewer solutions, its last one stands.
     following = joined([following for _, following in blocks_of_couplings])
     several = 0 if following is None or rank else int(following.number.max(initial=0))
     phases = (excitation.apart.keys() for excitation in excited if excitation.line.order)
@@ -264,6 +266,7 @@ def solve_components(
     balance: Balanced | None = None
     following: Following | None = None
     vibratory = dict[int, FloatArray]()
+    # First what all components decide together: the amplitude of a coupling; then each component by itself.
     settled = np.ones(ground.shape[1], dtype=bool)
     if system.train.has_nonlinear_couplings:
         from torsion.analyses.response.balanced_couplings import balanced
@@ -291,6 +294,7 @@ def solve_components(
         vibratory=vibratory,
     )
 
+    # Sources whose phases to each other are any were solved apart: their magnitudes add up.
     totals = (by_magnitude(list(islice(separate, len(apart)))) for apart in components.apart)
     combined = (
         replace(total, status=np.where(settled, total.status, Status.SINGULAR)) for total in totals

@@ -252,6 +252,7 @@ def response_of(
             continue
         count = solved.balance.count
         courses = _course(mechanism, solved)
+        # Amplitudes of cosines: twice the harmonic of the positive frequency.
         for amplitude, course in zip((angle, torque), courses, strict=True):
             amplitude[row] = 0.0
             amplitude[row, :count] = 2.0 * harmonics_of(course, count)[:, count + 1 :].T
@@ -261,6 +262,7 @@ def response_of(
         truncation[row] = solved.balance.truncation
         status[row] = Found.OK if truncation[row] <= ACCURACY else Found.COARSE
 
+    # Orders that no speed feels are left out: most of the many harmonics of the balance are rounding.
     kept = np.array(ranks, dtype=int) - 1
     if orders is None:
         felt = np.zeros(count_of_all, dtype=bool)

@@ -74,6 +74,8 @@ def stepped(train: Train, form: object, faults: list[Fault], *, by_table: bool =
             continue
         ends = _end(train, before, 1), _end(train, after, 0)
         smaller, larger = sorted(ends)
+        # A step that cannot be computed is a fault where the shaft states it; where it follows from a setting of the
+        # whole train, the shaft has a remark that its twist is left out.
         fault, excess, source = _fault(step, ends, path, taken), 0.0, ""
         if fault is None:
             try:
@@ -95,6 +97,7 @@ def stepped(train: Train, form: object, faults: list[Fault], *, by_table: bool =
         result = with_remark(result, before.part, f"{remark} beyond both shafts, {source}")
         saved = shorter.get(smaller.bar.name, 0.0) - excess
         result = _with_inertias(result, step, before.driven, smaller, larger)
+        # Negative: a large fillet is stiffer than the shaft it fills.
         if excess > 0.0:
             result = _with_spring(result, before, after, smaller, excess)
         elif saved <= MOST * smaller.bar.length:
@@ -104,6 +107,7 @@ def stepped(train: Train, form: object, faults: list[Fault], *, by_table: bool =
             faults.append(
                 Fault(path, message, "give the stiffness of both as a `coupling` in its place")
             )
+    # Both ends of a shaft and its hubs stiffen it together.
     if train.steps is not None and train.has_hubs:
         result, shorter = with_hubs(result, shorter, faults)
     bars = [
@@ -243,6 +247,7 @@ def excess_length(
         return unit * handbook(larger.outer / unit), (
             "by a handbook's table, not checked against the edition in force, to be verified"
         )
+    # The table has plain fillets between shafts of one bore and one material.
     is_plain = step.chamfer is None and step.undercut is None and step.flange is None
     if (
         is_plain

@@ -54,6 +54,7 @@ def variant_modes(
         raise ValueError(
             f"{tree.size} stations, flexibility {flexibility.shape}, inertia {inertia.shape}"
         )
+    # The modes of a train in their middle span the shapes from which the search in each begins.
     middle = replace(tree, flexibility=middle_of(flexibility), inertia=middle_of(inertia))
     middle_modes = tree_modes(middle, count + _FURTHER)
     if len(middle_modes.frequency) < count:
@@ -70,6 +71,7 @@ def variant_modes(
         frequency, passed = (np.take_along_axis(v, order, axis=0) for v in (frequency, passed))
         bounds[:, :, part], proven = frequency, np.ones(frequency.shape[1], dtype=bool)
         for mode, hertz in enumerate(frequency):
+            # Two counts prove each frequency; a train with one that is not proven is solved by itself.
             bounds[1:, mode, part], is_proven = enclosed(
                 trains,
                 count_below,

@@ -200,6 +200,7 @@ class March:
         if function is not None:
             element, to = regime.switches[function]
             self.enter(reached, element, to)
+            # Events without time between them: a coupling that comes back at once would do so for ever.
             near = max(1e-12 * self._part(regime, math.inf), 4.0 * math.ulp(reached))
             is_idle = reached - self.last <= near
             self.idle, self.last = (self.idle + 1, self.last) if is_idle else (0, reached)
@@ -211,6 +212,7 @@ class March:
                 raise Chatter(message, hint, (element,))
             self._refuse_too_many(reached)
             self._tell(reached)
+        # A break of what acts is known beforehand and is no event; friction may gain or lose its capacity there.
         breaks = self.train.history.begin
         if (
             reached == end
@@ -251,12 +253,14 @@ class March:
             return None
         part = self._part(regime, length / 4.0 if self.number else math.inf)
         number = math.ceil(length / part)
+        # By blocks of parts, short ones first: most steps end soon, and samples beyond the event are never needed.
         for first, last in pairwise([*LOOKS, *range(2 * BLOCK, number + BLOCK, BLOCK)]):
             if first >= number:
                 break
             times = part * np.arange(first, min(last, number) + 1.0)
             values = self._samples("events", times)
             value, rise = values.reshape(2, -1, len(times))
+            # An event may lie in a part when the tangent at either end of it reaches zero within.
             ahead = np.minimum(value, value + part * rise)[:, :-1] <= 0.0
             below = ahead | (np.minimum(value, value - part * rise)[:, 1:] <= 0.0)
             for number_of_part in np.flatnonzero(below.any(axis=0)).tolist():
@@ -280,6 +284,8 @@ class March:
             rows = rows_of(regime, regime.events)
             self.kept["watch",] = rows, np.abs(regime.events), np.abs(rows.by_y)
         rows, sizes, sizes_by_y = self.kept["watch",]
+        # Derivatives of the exact motion at the begin of the part, of as many orders as make a polynomial exact to
+        # rounding.
         y, turned = self._coordinates(late)
         time = np.array([late])
         inputs = self.train.inputs_at(self.interval, start, time, TERMS + 1)[:, 0]

@@ -133,6 +133,7 @@ def eliminate(
     ones_row = np.ones(station_stiffness.shape[1], dtype=kind)
     through, transfer, divisor = ([ones_row] * size for _ in range(3))
     rest = [np.zeros_like(ones_row)] * size
+    # From the leaves to the root: what each station asks of its span, seen through it by its parent.
     for station in range(size - 1, -1, -1):
         if (parent := plan.parent[station]) >= 0:
             if plan.held[station]:
@@ -142,6 +143,7 @@ def eliminate(
                 through[station] = z[station] * transfer[station]
             z[parent] += through[station]
 
+    # Back to the leaves: to every child the train without its branch.
     for station, children in enumerate(plan.children):
         if plan.prescribed[station]:
             for child in children:

@@ -124,6 +124,8 @@ def order_tracking(
 
     spans, begin = np.array([span for _, span in tracked.spans]), float(angle[0])
     samples = 2 ** math.ceil(math.log2(PER_ORDER * tracked.highest))
+    # Twice the samples, until leaving out every second one changes no amplitude: what is above the highest order is not
+    # taken for a lower one then.
     while True:
         count, step = int(turns * samples), 2.0 * np.pi / samples
         times, speed = times_at(begin + np.arange(count) * step, time, angle, turned)
@@ -142,6 +144,7 @@ def order_tracking(
         if change.max() <= ALIASED or 2 * count > MOST_POINTS:
             break
         samples *= 2
+    # A window in which a blow or a switch has too fine a course is left out; the others do not suffer from it.
     good = np.flatnonzero(change <= DOUBTFUL)
     torques = tuple(
         TrackedTorque(
@@ -168,6 +171,7 @@ def order_tracking(
 def one_sense(angle: FloatArray, speed: FloatArray) -> tuple[slice, float]:
     """The longest piece, by its angle, in which a shaft turns in one sense at all samples, and the sense."""
     sense = np.sign(np.diff(angle))
+    # Between two samples with the same sense the shaft may have turned back and forth: its speed says so.
     sense[(sense * speed[:-1] < 0.0) | (sense * speed[1:] < 0.0)] = 0.0
     edges = np.flatnonzero(np.diff(sense, prepend=2.0, append=2.0))
     pieces = ((abs(float(angle[b] - angle[a])), a, b) for a, b in pairwise(edges) if sense[a])

@@ -87,6 +87,7 @@ def state_before(
     from torsion.analyses.response.over_speed import response
     from torsion.kernels.trees.tree_response import Status
 
+    # Not refined: its spans must be those of the motion.
     vibration = response(study, system, speeds=speeds, refine=False)
     if (vibration.status != Status.OK).any():
         message = "its steady vibration at the operating speed has no finite value"
