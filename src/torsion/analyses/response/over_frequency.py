@@ -80,7 +80,7 @@ def frequency_response(
             following=following,
         )
 
-    # A frequency is a speed of which one order counts, 2 pi a turn: its grid is that of a response over speed.
+    # A frequency in Hz is as a speed of the order 2 pi: its grid is that of a response over speed.
     places = grid.resonances(
         system,
         np.array([2.0 * math.pi]),

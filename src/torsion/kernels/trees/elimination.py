@@ -133,7 +133,7 @@ def eliminate(
     ones_row = np.ones(station_stiffness.shape[1], dtype=kind)
     through, transfer, divisor = ([ones_row] * size for _ in range(3))
     rest = [np.zeros_like(ones_row)] * size
-    # From the leaves to the root: what each station asks of its span, seen through it by its parent.
+    # From the leaves to the root: the stiffness of each branch, through its span as its parent feels it.
     for station in range(size - 1, -1, -1):
         if (parent := plan.parent[station]) >= 0:
             if plan.held[station]:
