@@ -177,6 +177,7 @@ def _searched(
 ) -> Fitted:
     from scipy.optimize import least_squares
 
+    # What is known beforehand are further measurements: each value in its deviations.
     def both(values: FloatArray) -> FloatArray:
         return np.concatenate([residual(values), values])
 

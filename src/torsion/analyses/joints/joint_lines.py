@@ -364,10 +364,12 @@ def optimum_found(
     changes = [
         float(getattr(best.line, variable)[rank] - getattr(line, variable)[rank]) for rank in ranks
     ]
+    # Phases and planes are the same after half a revolution: the smaller change is stated.
     if variable != "angle":
         changes = [math.remainder(change, math.pi) for change in changes]
     best_values = [old + change for old, change in zip(before, changes, strict=True)]
     widest = max(_WIDEST, before[0], best_values[0]) if variable == "angle" else 2.0 * math.pi
+    # The curve is over the value as the file counts it, which differs from that of the line by a constant.
     over = np.linspace(0.0, widest, 361)
     as_line_counts = float(getattr(line, variable)[ranks[0]]) - before[0]
     return OptimumFound(

@@ -231,6 +231,8 @@ def missed_peaks(
     )
     left = x[point] - x[point + 1]
     right = x[point + 2] - x[point + 1]
+    # The parabola through three points, from the middle one: where it is lowest, and by how much a peak there is
+    # higher.
     with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
         y0, y1, y2 = (size[point + k, line, span] ** -2 for k in range(3))
         slope0 = (y0 - y1) / left
@@ -240,6 +242,7 @@ def missed_peaks(
         move = -slope / (2.0 * bend)
         gain = np.sqrt(y1 / (y1 + slope * move / 2.0)) - 1.0
     inner = (bend > 0) & (move > left) & (move < right) & ~(gain <= GAIN) & (move != 0)
+    # Peaks of several spans or lines at the same place are one, as prominent as the most prominent.
     step = SAME_PLACE * (right - left)[inner]
     rounded = x[point[inner] + 1] + np.round(move[inner] / step) * step
     finite_gain = np.where(np.isfinite(gain[inner]), gain[inner], np.inf)

@@ -229,6 +229,7 @@ def _radii(
     grains: Sequence[tuple[float, float, float]],
 ) -> list[float]:
     """Points on a line across the shaft: its walls on both sides, the core, a patch, graded to corners."""
+    # Kept are points on which a boundary lies; wanted ones around corners may be thinned out.
     kept = [r for pair in walls(profile, z, (z, z)) for r in pair]
     low, high = min(kept), max(kept)
     if low < core:

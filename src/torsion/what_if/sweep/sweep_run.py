@@ -153,6 +153,7 @@ def summed(
 ) -> Sweep:
     """Statistics of what all variants (variants, figures) gave; nominal: frequencies of the file (modes,) Hz."""
     indices = () if points.sets == 1 else sobol_indices(points, answers)
+    # Statistics are of the first set; those behind it, mixed of two, are for the indices alone.
     count = points.samples
     factor, frequency = factor[:count], answers.frequency[:, :count]
     faults = {variant: why for variant, why in answers.faults.items() if variant < count}

@@ -312,6 +312,7 @@ def _settle(
         motions = built.run(ends, progress=band.spend)
         for end, (motion, _) in zip(ends, motions, strict=True):
             curves, amplitudes = Curves(built, motion), list[float]()
+            # In the last two windows the component is the same once nothing of the start is left.
             for begin in (end - 2.0 * window, end - window):
                 time = begin + np.linspace(0.5, SAMPLES - 0.5, SAMPLES) * (window / SAMPLES)
                 torque = curves.torque(time)[0]

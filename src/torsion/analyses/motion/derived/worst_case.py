@@ -227,6 +227,7 @@ def worst_motion(
 
     for variant in variants[1:]:
         worst = compare(variant, worst)
+    # Then times of reclosing between those, beside the worst.
     worst_first = np.argsort(-np.array(peaks), kind="stable").tolist()
     for variant in _finer_variants(settings, [variants[k] for k in worst_first], frequency):
         worst = compare(variant, worst)
