@@ -120,6 +120,7 @@ def counted_modes(
         pairs(tree.size, first, second),
         flexibility[:, None],
     )
+    # Counts need a tree, whose loops are closed by what the elimination carries of each chord.
     torn, root, passed = _torn(single, tree, (first, second), modes_found, modes)
     if torn.tree.parents.count(-1) != 1:
         return modes_found
@@ -172,6 +173,7 @@ def _way(trains: Network, root: int, square: float) -> Way:
     carries = np.asarray(trains.pair.any(axis=0))
     carries[root] = True
     for station, near, span in steps:
+        # A station at a chord's end, or between one and the root, carries its share; all others are eliminated alone.
         carries[near] |= carries[station]
         sign[:, near] += sign[:, station]
         stiffest = max(inertia[station], inertia[near]) * square
