@@ -105,7 +105,7 @@ def _columns(values: Values) -> tuple[FloatArray, ...]:
     return tuple(np.asarray(column, dtype=float) for column in values)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ReportFigure(Figure):
     """A figure of the report, the same data and the same drawing."""
 

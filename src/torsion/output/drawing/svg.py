@@ -1,5 +1,7 @@
 """A figure as one SVG element: its plots below each other, and one key of all lines, ranges and symbols."""
 
+from functools import lru_cache
+
 import numpy as np
 
 from torsion.output.drawing import grades, sketch
@@ -30,6 +32,7 @@ def svg(figure: Figure) -> str:
     return framed(figure)[0]
 
 
+@lru_cache(maxsize=64)  # a page, a PDF and a file of a figure show one drawing
 def framed(figure: Figure) -> tuple[str, list[Frame]]:
     """Return the element, and where its plots stand in it."""
     pieces, frames, foot = list[str](), list[Frame](), 0.0

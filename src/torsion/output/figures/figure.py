@@ -254,7 +254,7 @@ class Criticals:
 Picture = Panel | Sketch | Shares
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Figure:
     """Plots below each other under one caption."""
 
