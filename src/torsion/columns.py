@@ -9,6 +9,7 @@ import operator
 from collections.abc import Callable, Mapping
 from dataclasses import fields, is_dataclass, replace
 from fractions import Fraction
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -86,11 +87,12 @@ def plain(value: Any) -> Any:
     return float(value) if isinstance(value, Fraction) else value
 
 
-def field_names(record: Any) -> list[str]:
+@cache
+def field_names(kind: type) -> tuple[str, ...]:
     """Return the fields of a dataclass or a declaration; none of anything else."""
-    if is_dataclass(record):
-        return [field.name for field in fields(record)]
-    return list(getattr(type(record), "model_fields", ()))
+    if is_dataclass(kind):
+        return tuple(field.name for field in fields(kind))
+    return tuple(getattr(kind, "model_fields", ()))
 
 
 def copied(record: Any, **values: Any) -> Any:
@@ -119,9 +121,7 @@ def opened(value: Any) -> tuple[Items, Callable[[Items], Any]]:
     if isinstance(value, tuple):
         numbered, kind = dict(enumerate(value)), getattr(type(value), "_make", tuple)
         return numbered, lambda items: kind({**numbered, **items}.values())
-    fields_of = (
-        {} if isinstance(value, type) else {n: getattr(value, n) for n in field_names(value)}
-    )
+    fields_of = {name: getattr(value, name) for name in field_names(type(value))}
     return fields_of, lambda items: copied(value, **items)
 
 

@@ -117,7 +117,7 @@ def _changes(
     )
     fields = {
         name: joined([getattr(piece, name) for piece in alternatives], combine)
-        for name in field_names(original)
+        for name in field_names(type(original))
         if name not in ("source", "note")
         and any(getattr(piece, name) != getattr(original, name) for piece in alternatives)
     }
