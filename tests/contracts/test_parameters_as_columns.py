@@ -25,7 +25,7 @@ from torsion.what_if.variants.laws import Law
 ROOT = Path(__file__).parents[2]
 SCENES = sorted((ROOT / "shafting_specs").glob("*.yaml"))
 FACTOR = 1.03
-MOST = 60  # numbers of an example, evenly spread over it
+MOST = 30  # numbers of an example, evenly spread over it, each of another key
 PLAIN = {float, int, complex, str, bool, type(None), Fraction}
 RECORDS = (
     "stations",
@@ -107,6 +107,9 @@ def test_a_column_is_the_file_read_again_or_is_refused(scene: Path) -> None:
     source, read = scene_reader.reread(study)
     nodes = [(name, source.at((name,))) for name in SECTIONS]
     paths = [path for name, node in nodes if node for path in numbers(node, (name,))]
+    # What enters the train the same way does so alike for every disc of an example.
+    keys = {tuple(step for step in path if isinstance(step, str)): path for path in paths}
+    paths = list(keys.values())
     declarations = scene_reader.declarations(source)  # the same for each number
     answers = Counter[str]()
     for path in paths[:: len(paths) // MOST + 1]:
