@@ -29,12 +29,13 @@ SHAFTED = ("usv", "haixun_06402", "tilting_tail")
 @lru_cache(maxsize=2)
 def blocks(scene: str, model: str) -> tuple[Block, ...]:
     """Tables of modes of a scene, in its own model or another."""
-    study = torsion.read(SCENES[scene])
-    kept = {name: given for name, given in study.analyses.items() if name == "modes"}
-    study = replace(
-        study, analyses=kept, rules=(), model=model or study.model, fem=type(study.fem)()
-    )
-    found = torsion.run(study, only=("modes",))
+    if model:
+        study = torsion.read(SCENES[scene])
+        kept = {name: given for name, given in study.analyses.items() if name == "modes"}
+        study = replace(study, analyses=kept, rules=(), model=model, fem=type(study.fem)())
+        found = torsion.run(study, only=("modes",))
+    else:
+        found = solved(scene)
     modes = (
         chapter(found) for chapter in (natural_frequencies.appendix, natural_frequencies.all_modes)
     )
