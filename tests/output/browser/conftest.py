@@ -44,22 +44,27 @@ def tabs(browser: Any, reports: Callable[[str], Report]) -> Callable[..., Opened
     """The page of a scene in a browser set up in some way, as one that was never used.
 
     One tab of each way, and of each scene of many tests, as a new one is slow. So is opening a page: it stays where
-    the test before left no trace in it.
+    the test before left no trace in it. What a tab can be told needs no window of its own with its processes.
     """
-    tabs, shown = dict[str, Any](), dict[str, Opened]()
+    windows, tabs, shown = dict[str, Any](), dict[str, Any](), dict[str, Opened]()
 
     def opened(scene: str, **context: Any) -> Opened:
         way = str(sorted(context.items())) if context or scene not in EVERY else scene
+        told = {"viewport": VIEW, "color_scheme": "light", "reduced_motion": "no-preference"}
+        told.update((key, context.pop(key)) for key in told if key in context)
         if way not in tabs:
-            tabs[way] = browser.new_context(**{"viewport": VIEW, **context}).new_page()
+            window = str(sorted(context.items()))
+            if window not in windows:
+                windows[window] = browser.new_context(**context)
+            tabs[way] = windows[window].new_page()
         tab = tabs[way]
-        tab.emulate_media(media="null", color_scheme=context.get("color_scheme", "light"))
-        tab.set_viewport_size(context.get("viewport", VIEW))
+        tab.bring_to_front()
+        tab.set_viewport_size(told.pop("viewport"))
+        tab.emulate_media(media="null", **told)
         if (kept := shown.get(way)) is not None:
             if kept.report is reports(scene) and kept.is_untouched():
                 return kept
             kept.close()
-            tab.goto("about:blank")
         shown[way] = Opened(tab, reports(scene))
         return shown[way]
 

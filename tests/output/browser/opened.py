@@ -16,6 +16,32 @@ from torsion.output.pages.html import html
 from torsion.output.stored.results_json import results
 
 EVERY = ("usv", "cardan_bearings", "six_cylinder")
+# One script is a tenth of the work of a locator, which polls, waits for frames and asks for every element.
+BOX = """async ([name, plot]) => {  // a plot in view, and drawn there: a finger is sent where it was drawn
+    const area = document.querySelectorAll(`figure#${name} rect.area`)[plot], before = scrollY;
+    area.scrollIntoViewIfNeeded();
+    for (let k = 0; scrollY !== before && k < 2; k += 1) await new Promise(requestAnimationFrame);
+    const { x, y, width, height } = area.getBoundingClientRect();
+    return [x, y, width, height];
+}"""
+NUMBERS = """name => [...document.querySelectorAll(`figure#${name} :is(text.across, .scale text)`)]
+    .filter((text) => text.checkVisibility({ visibilityProperty: true }) && text.getBoundingClientRect().width)
+    .map((text) => text.textContent)"""
+LOOK = r"""() => {  // all of the page but where its cursors and chosen parts were, and empty attributes; in few words
+    const all = document.documentElement.outerHTML
+        .replace(/ aria-value(now|text)="[^"]*"/g, '')
+        .replace(/(visibility="hidden") (transform|x)="[^"]*"( y="[^"]*" width="[^"]*" height="[^"]*")?/g, '$1')
+        .replace(/ (style|class)=""/g, '');
+    let hash = 0;
+    for (let k = 0; k < all.length; k += 1) hash = (31 * hash + all.charCodeAt(k)) | 0;
+    return `${all.length} ${hash}`;
+}"""
+RESET = """() => {  // by the key of the reader, in every plot
+    document.querySelectorAll("rect.area").forEach((area) =>
+        area.dispatchEvent(new KeyboardEvent("keydown", { key: "Escape" })));
+    document.activeElement?.blur();
+    scrollTo(0, 0);
+}"""
 
 
 @dataclass(frozen=True)
@@ -65,26 +91,14 @@ class Opened:
         tab.goto(report.file.as_uri())
         if tab.evaluate("typeof STORE") == "object":  # with scripts
             tab.wait_for_selector("html.live", state="attached")
-        self._untouched = self._look()
-
-    def _look(self) -> str:
-        """All of the page but where its cursors stood that are not seen any more, in few words."""
-        look: str = self.page.evaluate("""() => {
-            const all = document.documentElement.outerHTML
-                .replace(/ aria-value(now|text)="[^"]*"/g, '')
-                .replace(/(visibility="hidden") transform="[^"]*"/g, '$1');
-            let hash = 0;
-            for (let k = 0; k < all.length; k += 1) hash = (31 * hash + all.charCodeAt(k)) | 0;
-            return `${all.length} ${hash}`;
-        }""")
-        return look
+        self._untouched = tab.evaluate(LOOK)
 
     def is_untouched(self) -> bool:
         """Whether a page that pointer, focus and Escape have left is as when it was opened."""
         self.page.keyboard.press("Escape")
         self.page.mouse.move(2, 2)
-        self.page.evaluate("document.activeElement?.blur(); scrollTo(0, 0)")
-        return self._look() == self._untouched and not self.messages
+        self.page.evaluate(RESET)
+        return bool(self.page.evaluate(LOOK) == self._untouched) and not self.messages
 
     def close(self) -> None:
         """Hear no more of the tab."""
@@ -95,13 +109,18 @@ class Opened:
         """Where a plot of a figure answers."""
         return self.page.locator(f"figure#{name} rect.area").nth(plot)
 
+    def text(self, name: str, selector: str) -> str:
+        """Of an element of a figure."""
+        script = "selector => document.querySelector(selector).textContent"
+        return str(self.page.evaluate(script, f"figure#{name} {selector}"))
+
     def values(self, name: str) -> str:
         """What the cursor reads below a figure."""
-        return str(self.page.locator(f"figure#{name} .values > span").first.text_content())
+        return self.text(name, ".values > span")
 
     def near(self, name: str) -> str:
         """What is said there of critical speeds and points."""
-        return str(self.page.locator(f"figure#{name} .near").text_content())
+        return self.text(name, ".near")
 
     def read(self, name: str) -> tuple[float, dict[str, float]]:
         """Coordinate, and values by the name of their line."""
@@ -113,10 +132,8 @@ class Opened:
 
     def spot(self, name: str, across: float, plot: int = 0) -> tuple[float, float]:
         """px of a share of the width of a plot."""
-        area = self.area(name, plot)
-        area.scroll_into_view_if_needed()
-        box = area.bounding_box()
-        return box["x"] + across * box["width"], box["y"] + box["height"] / 2
+        left, top, wide, high = self.page.evaluate(BOX, [name, plot])
+        return left + across * wide, top + high / 2
 
     def hover(self, name: str, across: float, plot: int = 0) -> None:
         self.page.mouse.move(*self.spot(name, across, plot))
@@ -131,14 +148,15 @@ class Opened:
 
     def press(self, name: str, *keys: str) -> None:
         """In a plot with the focus."""
-        self.area(name).focus()
+        self.page.evaluate(
+            "name => document.querySelector(`figure#${name} rect.area`).focus()", name
+        )
         for key in keys:
             self.page.keyboard.press(key)
 
     def numbers(self, name: str) -> list[float]:
         """What stands below the plots of a figure, as it is seen."""
-        found = self.page.locator(f"figure#{name} text.across, figure#{name} .scale text").all()
-        return [number(str(one.text_content())) for one in found if one.is_visible()]
+        return [number(text) for text in self.page.evaluate(NUMBERS, name)]
 
     def shape(self, name: str) -> list[str]:
         """All paths and windows of a figure, but the cursor."""
