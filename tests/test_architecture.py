@@ -1,11 +1,8 @@
 """Floors, doors, circles and lengths of the source."""
 
 import ast
-from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
-
-import pytest
 
 SOURCE = Path(__file__).parent.parent / "src" / "torsion"
 FLOORS = {
@@ -60,27 +57,19 @@ FILES = sorted(path for path in SOURCE.rglob("*.py") if path != SOURCE / "__init
 
 
 @cache
-def _tree(path: Path) -> ast.Module:
-    return ast.parse(path.read_text(encoding="utf-8"))
+def _read(path: Path) -> tuple[list[str], list[str], bool]:
+    """Modules that a file imports anywhere in it, those named to the type checker alone, whether it says its subject.
 
+    Of all trees at once, a million nodes, every search for garbage would take longer than the last.
+    """
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    run, typed = list[str](), list[str]()
 
-@pytest.fixture(scope="module", autouse=True)
-def _trees() -> Iterator[None]:
-    """Let go of a million nodes, which every later search for garbage would visit."""
-    yield
-    _tree.cache_clear()
-
-
-@cache
-def _imports(path: Path, *, typed: bool = False) -> list[str]:
-    """Modules that a file imports anywhere in it; with `typed` also those named to the type checker alone."""
-    found: list[str] = []
-
-    def visit(node: ast.AST) -> None:
-        if isinstance(node, ast.If) and not typed:
+    def visit(node: ast.AST, found: list[str]) -> None:
+        if isinstance(node, ast.If):
             names = {part.id for part in ast.walk(node.test) if isinstance(part, ast.Name)}
             if "TYPE_CHECKING" in names:
-                return
+                found = typed
         if isinstance(node, ast.Import):
             found.extend(alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
@@ -89,10 +78,16 @@ def _imports(path: Path, *, typed: bool = False) -> list[str]:
             found.extend(f"{node.module}.{alias.name}" for alias in node.names)
         for child in ast.iter_child_nodes(node):
             if not isinstance(child, ast.expr):  # an expression holds no statement
-                visit(child)
+                visit(child, found)
 
-    visit(_tree(path))
-    return found
+    visit(tree, run)
+    return run, typed, ast.get_docstring(tree) is not None
+
+
+def _imports(path: Path, *, typed: bool = False) -> list[str]:
+    """Modules that a file imports anywhere in it; with `typed` also those named to the type checker alone."""
+    run, only_typed, _ = _read(path)
+    return run + only_typed if typed else run
 
 
 def _room(module: str) -> str:
@@ -156,7 +151,7 @@ def test_no_cycle_of_imports() -> None:
 def test_a_file_has_one_subject_and_at_most_540_lines() -> None:
     texts = {_name(path): path.read_text(encoding="utf-8") for path in FILES}
     assert not [name for name, text in texts.items() if len(text.splitlines()) > 540]
-    assert not [_name(path) for path in FILES if ast.get_docstring(_tree(path)) is None]
+    assert not [_name(path) for path in FILES if not _read(path)[2]]
 
 
 def test_every_room_has_a_floor() -> None:

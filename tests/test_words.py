@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from tests.for_all import for_all
+from tests.house_english import nodes
 
 ROOT = Path(__file__).parents[1]
 CHECKED = (  # files; folders of *.md and *.py
@@ -46,8 +47,8 @@ WORDS = (
     (r"(?<!-)fold(?:s|ed|ing)?", "condensed"),
     (r"(?<!\d\s)(?<!\[)bars?", "distributed shaft; rod"),  # not the unit of a pressure
 )  # a word, whole, without its case; what to write in its place
-ANY_WORD = re.compile(  # one search for all: most texts have none
-    rf"\b(?:{'|'.join(pattern for pattern, _ in WORDS)})\b".replace(" ", r"\s+"), re.IGNORECASE
+ANY_WORD = re.compile(  # one search for all, in small letters: most texts have none
+    rf"\b(?:{'|'.join(pattern for pattern, _ in WORDS)})\b".replace(" ", r"\s+")
 )
 NAMES = {
     "told",
@@ -65,15 +66,22 @@ NAMES = {
     "proof",
 }  # parts of a name in the code that are private words of the same kind
 ANY_NAME = re.compile(rf"(?<![^\W_])(?:{'|'.join(sorted(NAMES))})(?![^\W_])", re.IGNORECASE)
+JOINED = re.compile(  # between two parts of a string, and within it at the end of a line
+    r"""["']\s*[bfru]*["']|\\\n""", re.IGNORECASE
+)
 QUOTED = re.compile(
     r"```.*?^```|`[^`\n]*`|\]\([^)\n]*\)", re.MULTILINE | re.DOTALL
 )  # keys, code, targets of links
 
 
+def has_word(text: str) -> bool:
+    return ANY_WORD.search(text.lower()) is not None
+
+
 def private_words(text: str) -> list[tuple[int, str, str]]:
     """Line, word and what to use instead, of every private word outside code, keys in backticks and targets."""
     prose = QUOTED.sub(lambda match: re.sub(r"[^\n]", "_", match[0]), text)
-    if not ANY_WORD.search(prose):
+    if not has_word(prose):
         return []
     found = []
     for pattern, instead in WORDS:
@@ -92,17 +100,18 @@ def is_groups(node: ast.AST) -> bool:
 
 
 def prose_of(source: str) -> Iterator[tuple[int, str]]:
-    """Line and text of the comments of a module that has a private word, and of its strings.
+    """Line and text of the comments and the strings of a module that has a private word.
 
     Strings of one word and groups of keys are no prose.
     """
-    if ANY_WORD.search(source):  # else no comment has a word either; tokens take long
-        for token in tokenize.generate_tokens(io.StringIO(source).readline):
-            if token.type == tokenize.COMMENT:
-                yield token.start[0], token.string
-    tree = ast.parse(source)
-    keys = {id(node) for node in ast.walk(tree) if is_groups(node) for node in ast.walk(node)}
-    for node in ast.walk(tree):
+    if not (has_word(source) or has_word(JOINED.sub("", source.replace("\\n", " ")))):
+        return  # a tree takes long
+    for token in tokenize.generate_tokens(io.StringIO(source).readline):
+        if token.type == tokenize.COMMENT:
+            yield token.start[0], token.string
+    found = nodes(source)
+    keys = {id(node) for node in found if is_groups(node) for node in ast.walk(node)}
+    for node in found:
         if (
             id(node) not in keys
             and isinstance(node, ast.Constant)
