@@ -31,6 +31,7 @@ extensions = [
     "assistants",
     "python_reference",
     "navigation",
+    "search_words",
 ]
 moved_pages = {  # addresses before 0.1.0
     "tutorial": "tutorials/first-report",

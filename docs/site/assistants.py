@@ -31,23 +31,31 @@ HEAD = """\
 
 
 def setup(app: Sphinx) -> dict[str, bool]:
-    """Write the list after all pages."""
-    app.connect("build-finished", _write)
+    """Write the list after all pages; a page that was read is not read again for its first sentence."""
+    openings = dict[str, str]()
+    app.connect("doctree-read", lambda app, tree: openings.update({app.env.docname: opening(tree)}))
+    app.connect("build-finished", lambda app, failed: _write(app, failed, openings))
     return {"parallel_read_safe": True}
 
 
-def _write(app: Sphinx, failed: Exception | None) -> None:
+def _write(app: Sphinx, failed: Exception | None, openings: dict[str, str]) -> None:
     if failed is None and app.builder.format == "html":
         titles = {page: title.astext() for page, title in app.env.titles.items()}
-        entries = {
-            page: entry(page, title, app.env.get_doctree(page)) for page, title in titles.items()
-        }
+        entries = {}
+        for page, title in titles.items():
+            if page not in openings:  # of an earlier build, or read by another process
+                openings[page] = opening(app.env.get_doctree(page))
+            entries[page] = entry(page, title, openings[page])
         Path(app.outdir, "llms.txt").write_text(list_pages(entries), encoding="utf-8")
 
 
-def entry(page: str, title: str, doctree: nodes.document) -> str:
+def opening(doctree: nodes.document) -> str:
+    """Return the first paragraph of a page."""
+    return next((found.astext() for found in doctree.findall(nodes.paragraph)), "")
+
+
+def entry(page: str, title: str, paragraph: str) -> str:
     """Return title, address and first sentence of a page."""
-    paragraph = next((found.astext() for found in doctree.findall(nodes.paragraph)), "")
     sentence = re.split(
         r"(?<=[.:!?]) (?=[A-Z])", re.sub(r"^(?:When|Task): ", "", " ".join(paragraph.split()))
     )[0]

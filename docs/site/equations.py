@@ -81,10 +81,8 @@ def _resolved(app: Sphinx, doctree: nodes.document, page: str) -> None:
             block.replace_self(nodes.raw("", rendered(block.astext(), defined), format="html"))
 
     pages = page_of_equations(Path(app.srcdir))
-    targets = {
-        name: "" if of == page else app.builder.get_relative_uri(page, of)
-        for name, of in pages.items()
-    }
+    addresses = {of: app.builder.get_relative_uri(page, of) for of in {*pages.values()} - {page}}
+    targets = {name: addresses.get(of, "") for name, of in pages.items()}
     for text in [*doctree.findall(nodes.Text)]:
         if isinstance(text.parent, nodes.TextElement) and not _is_verbatim(text):
             made = [*_linked(str(text), targets, has_symbols=has_equations)]
