@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
+from tests.contracts.frozen import SCENES, solved
 from tests.for_all import for_all
 from tests.texts import ANY_CHARACTER
 
@@ -16,14 +17,12 @@ import torsion
 from torsion.analyses.undamped_modes import ModesSettings
 from torsion.errors import InputError
 from torsion.findings import NORMAL, Findings
-from torsion.output.stored.results_json import results
+from torsion.output.stored.results_json import listed, makers, results
 from torsion.schema.variants.cases import _effect, _is_same
 from torsion.schema.variants.overlay import multiplied
 from torsion.study import Study
 
-FERRY = (Path(__file__).parents[2] / "shafting_specs" / "ferry_cases.yaml").read_text(
-    encoding="utf-8"
-)
+FERRY = SCENES["ferry_cases"].read_text(encoding="utf-8")
 ALONE = FERRY[: FERRY.index("cases:\n")]
 PTO = ALONE[
     ALONE.index("            - coupling: {name: PTO clutch") : ALONE.index(
@@ -54,15 +53,15 @@ def numbers(findings: Findings) -> dict[str, Any]:
 
     Rows of zero pitch and tolerances state what the cases of a file lack.
     """
-    found = results(findings)
+    found = {
+        key: listed(make())
+        for key, make in makers(findings).items()
+        if key not in ("scene", "plan", "cases", "sources")
+    }
     found["checks"] = [
         check for check in found["checks"] if check["clause"] not in ("zero pitch", "tolerances")
     ]
-    return {
-        key: value
-        for key, value in found.items()
-        if key not in ("scene", "plan", "cases", "sources")
-    }
+    return found
 
 
 def replaced(text: str, *pairs: tuple[str, str]) -> str:
@@ -94,7 +93,7 @@ BY_HAND = {  # of the scene: what a hand would change in the file
 
 @pytest.fixture(scope="module")
 def ferry() -> Findings:
-    return torsion.run(torsion.parse(FERRY, "ferry_cases.yaml"))
+    return solved("ferry_cases")
 
 
 def test_the_scene_has_the_cases_that_are_written_by_hand(ferry: Findings) -> None:
@@ -498,7 +497,7 @@ CASE = st.fixed_dictionaries(
 CASE_NAMES = st.sampled_from(["a", "b", "c", "from", "soft", "normal", ""])
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=150, deadline=None)
 @example(
     {"a": {"based_on": "soft", "rules": ["gear-hammer"]}, "soft": "tolerances"}
 )  # based on one that is at fault
@@ -527,9 +526,7 @@ def test_a_case_based_on_one_at_fault_leaves_that_one_fault_alone() -> None:
 
 
 def test_any_digit_of_any_array_is_an_effect_of_a_case() -> None:
-    study = torsion.read(
-        Path(__file__).parents[2] / "shafting_specs" / "six_cylinder_pressure.yaml"
-    )
+    study = torsion.read(SCENES["six_cylinder_pressure"])
     parts = list(study.train.parts)
     place, record = next(
         (place, part.engine) for place, part in enumerate(parts) if part.engine is not None
