@@ -33,8 +33,9 @@ HEAD = re.compile(r'\{"format":(\d+),"program":"([^"]*)","sha256":"([0-9a-f]{64}
 MARK, NAMED = f',\n"{KEY}": ', f',\n"{FILES}": '
 # Classes of which a field may hold any.
 NAMED_CLASSES = frozenset((*get_args(Block), *get_args(Picture)))
-CONTROL = re.compile(  # in JSON text of no report
-    r"(?<!\\)(?:\\\\)*\\(?:u00|b|f)|[\x7f-\x84\x86-\x9f\ud800-\udfff]"
+# In JSON text of no report; its first character alone is sought fast.
+CONTROL = re.compile(
+    r"[\\\x7f-\x84\x86-\x9f\ud800-\udfff](?:(?<!\\)|(?<!\\\\)(?:\\\\)*(?:u00|b|f))"
 )
 
 
