@@ -1,6 +1,7 @@
 """A sweep by workers of which one is killed, and then the command itself: nothing is lost and nothing solved twice."""
 
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -46,6 +47,7 @@ def test_a_killed_worker_and_a_killed_command_lose_nothing(tmp_path: Path) -> No
         tmp_path / "scene.yaml",
         tmp_path / "out",
     )
+    text = re.sub(r"\n  tolerances: .*", "", text)  # no part of a sweep, and a quarter of the time
     scene.write_text(text.replace("rules: [coupling-maker]", BY_ITSELF), encoding="utf-8")
     command = [
         sys.executable,

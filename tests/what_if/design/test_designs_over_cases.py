@@ -94,7 +94,7 @@ def mixed(folder: Path) -> str:
         "rubber: {catalogue: rows.csv}",
         DIAMETER,
         PHASE.replace("0 deg, to: 180", "-90 deg, to: 90"),
-        design="    evaluations: 200\n    seed: SEED",
+        design="    evaluations: 150\n    seed: SEED",
     )
     head, tail = scene.split("  - motor")[0], scene[scene.index("materials:") :]
     head = head.replace("steps: 41", "steps: 9")  # peaks between speeds are sought
