@@ -23,9 +23,9 @@ from torsion.output.numbers import number
 from torsion.output.pages.html import html
 from torsion.output.pages.terminal import show
 from torsion.output.reports import REPORTS
-from torsion.output.stored.results_json import text
+from torsion.output.stored.results_json import KEYS, text
 
-JOINTS = REPORTS["joint"].keys
+JOINTS = KEYS["joint"]
 KEYS = {key.path: key.meaning for key in documented()}
 JOINT_KEYS = {path.rstrip("[]") for path in KEYS if path.startswith("joints")}
 
