@@ -38,7 +38,7 @@ analyses: {modes: {count: 2}, response: , sweep: {%s}}
 rules: [coupling-maker]
 """
 PLAIN = SCENE.replace("{table: psi.csv}", "20000, psi: 0.8")
-VARY = "vary: {rubber.stiffness: {uniform: 10 %}, tail.diameter: {values: [55 mm, 60 mm]}}, samples: 128"
+VARY = "vary: {rubber.stiffness: {from: 18e3, to: 22e3, steps: 32}, tail.diameter: {values: [55 mm, 60 mm]}}"
 MODES = "vary: {rubber.stiffness: {uniform: 10 %}}, samples: 128, results: [modes]"  # side by side
 
 
@@ -100,7 +100,7 @@ def test_a_part_that_is_there_is_kept_and_one_that_is_not_is_solved_all_as_solve
     )
     found, taken = by(tmp_path, PLAIN % VARY)
     same(found, whole)
-    assert (len(requested), taken.kept, taken.solved) == (1, 7, 1)
+    assert (len(requested), taken.kept, taken.solved) == (1, 3, 1)
     assert all(path.stat().st_mtime_ns == time for path, time in times.items())
     assert not list((tmp_path / "parts").glob("*.part"))
 
@@ -116,7 +116,7 @@ def test_all_variants_stand_in_one_table(kept: Path, whole: Sweep) -> None:
         "tail.diameter label",
         "mode 1 (Hz)",
     ]
-    assert [int(row[0]) for row in rows[1:]] == list(range(128))
+    assert [int(row[0]) for row in rows[1:]] == list(range(64))
     assert [float(row[1]) for row in rows[1:]] == whole.factor[:, 0].tolist()
     assert [float(row[4]) for row in rows[1:]] == whole.frequency[0].tolist()
     assert rows[1][3] in ("55 mm", "60 mm")
@@ -126,7 +126,7 @@ def test_answers_that_are_judged_are_the_same_for_chunks_of_another_length(
     kept: Path, whole: Sweep
 ) -> None:
     found, taken = by(kept, PLAIN % VARY)
-    assert (taken.kept, taken.solved) == (8, 0)
+    assert (taken.kept, taken.solved) == (4, 0)
     same(found, whole)
 
 
@@ -142,7 +142,7 @@ def test_frequencies_one_by_one_in_many_parts_are_those_of_one_chunk(
     whole = torsion.run(torsion.parse(text)).need(Sweep)
     monkeypatch.setattr(sweep_run, "FREQUENCIES_AT_ONCE", 48)
     found, taken = by(tmp_path, text)
-    assert taken.solved == 3
+    assert taken.solved == 2
     same(found, whole)
 
 
@@ -351,7 +351,7 @@ def test_a_worker_judges_as_this_process_does() -> None:
         kept.append((pickle.dumps(worker_task.errand(work, variation)), each[1]))
         return sweep_run.in_turn(work, variation, each)
 
-    vary = "vary: {rubber.stiffness: {uniform: 10 %}}, samples: 128"
+    vary = "vary: {rubber.stiffness: {from: 18e3, to: 22e3, steps: 32}}"
     study = torsion.parse(
         PLAIN.replace("- shaft: {name: tail, length: 0.8 m, diameter: 60 mm}\n", "") % vary
     )

@@ -234,20 +234,20 @@ def test_figures_that_enter_as_a_sum_are_found_side_by_side(
 
 
 def test_a_variant_without_an_answer_counts_as_failing(monkeypatch: pytest.MonkeyPatch) -> None:
-    study, solve = drive(sweep="vary: {rubber.psi: {uniform: 1 %}}, samples: 128"), torsion.run
+    study, solve = drive(sweep="vary: {rubber.psi: {from: 0.9, to: 1.2, steps: 4}}"), torsion.run
     made = study.variations["sweep"].study
 
     def one_in_four(factor: list[float]) -> Study:
-        if factor[0] > 1.005:
+        if factor[0] > 1.15:
             raise SolveError("no answer here")
         return made(factor)
 
     object.__setattr__(study.variations["sweep"], "in_columns", refused)
     object.__setattr__(study.variations["sweep"], "study", one_in_four)
     found = solve(study).need(Sweep)
-    assert found.unsolved == (found.factor[:, 0] > 1.005).sum() == 32
+    assert found.unsolved == (found.factor[:, 0] > 1.15).sum() == 1
     assert found.faults == ("no answer here",)
-    assert found.any_fails.failing >= 32
+    assert found.any_fails.failing == 1
 
 
 def test_an_analysis_without_an_answer_leaves_its_variant_without_one() -> None:
