@@ -482,3 +482,8 @@ def test_the_torque_of_a_motion_is_reached_by_name() -> None:
     assert np.abs(torque).max() > 0.99 * motion.peak.max()
     with pytest.raises(KeyError, match="did you mean 'rubber coupling'"):
         motion["rubber couplin"]
+
+
+def test_findings_of_a_tilting_shaft_are_copied_to_another_process() -> None:
+    findings = solved("cardan_bearings")
+    assert results(pickle.loads(pickle.dumps(findings))) == results(findings)

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
+from functools import partial
 from typing import Annotated, Literal
 
 import numpy as np
@@ -27,6 +28,7 @@ from torsion.analyses.lateral.whirl import Critical, Whirl, criticals, whirl
 from torsion.analyses.steady import steady as mean_torques
 from torsion.arrays import FloatArray
 from torsion.assembly import assemble
+from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, Path, SolveError
 from torsion.fields import Declared, given
 from torsion.findings import Progress, Work, silent
@@ -215,11 +217,20 @@ def _torques(
     """(joints, speeds) N m, mean, in the driving shafts of all joints, of reference speeds, rad/s; None if unknown."""
     if not placed_joints or (requested.torque is None and not states_mean_torque(train, operation)):
         return None
-    if (stated := requested.torque) is not None:
-        return lambda speed: np.full((len(placed_joints), len(speed)), stated)
-    system = assemble(train)
     spans = [joint.span for joint in placed_joints]
-    return lambda speed: np.asarray(mean_torques(train, system, operation, speed).torque[spans])
+    if (stated := requested.torque) is not None:
+        return partial(_stated_torques, stated, spans)
+    return partial(_mean_torques, train, assemble(train), operation, spans)
+
+
+def _stated_torques(stated: float, spans: Sequence[int], speeds: FloatArray) -> FloatArray:
+    return np.full((len(spans), len(speeds)), stated)
+
+
+def _mean_torques(
+    train: Train, system: System, operation: Operation, spans: list[int], speeds: FloatArray
+) -> FloatArray:
+    return np.asarray(mean_torques(train, system, operation, speeds).torque[spans])
 
 
 def _bend_shaft(

@@ -6,6 +6,7 @@ supports. Where it bends about as easily as it tilts, that is said and nothing i
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from itertools import accumulate
 from operator import itemgetter
 from typing import ClassVar
@@ -100,6 +101,11 @@ class Tilting:
         return y / 2.0, z / 2.0
 
 
+def _torque_of_joint(torque: Torques, ratio: float, number: int, speeds: FloatArray) -> FloatArray:
+    """Return a joint's torque, N m, at speeds of its shaft, rad/s; results with it are copied to other processes."""
+    return torque(speeds / ratio)[number]
+
+
 def tilting(
     shaft: BendingShaft,
     placed: Sequence[Placed],
@@ -126,9 +132,8 @@ def tilting(
     ratio = float(joint.ratio)
     last = float(speeds[-1]) * ratio
     first = max(float(speeds[0]) * ratio, last / POINTS)
-    rigid = _rigid(
-        shaft.beam, shaft.joints[0], joint.record.angle, lambda own: torque(own / ratio)[number]
-    )
+    load = partial(_torque_of_joint, torque, ratio, number)
+    rigid = _rigid(shaft.beam, shaft.joints[0], joint.record.angle, load)
     z, y = (
         np.sqrt(rigid.square) / (2.0 * np.pi)
     ).tolist()  # the angle about y moves the shaft along z
