@@ -6,7 +6,6 @@ from operator import itemgetter
 from typing import Literal
 
 import numpy as np
-from scipy.linalg import block_diag, cho_factor, eigh, solve_triangular
 
 from torsion.analyses.lateral.beam_matrices import Beam, LateralSystem, Point, Segment
 from torsion.arrays import FloatArray
@@ -254,13 +253,14 @@ def planes(system: LateralSystem) -> Planes:
     none = np.zeros_like(turning)
     square = np.concatenate([y.square, z.square])
     both_ways = np.block([[none, turning], [turning.T, none]])
-    return Planes(
-        system, y, z, square, both_ways, block_diag(*damping), block_diag(*lossy), crossed
-    )
+    apart = (np.block([[in_y, none], [none.T, in_z]]) for in_y, in_z in (damping, lossy))
+    return Planes(system, y, z, square, both_ways, *apart, crossed)
 
 
 def _plane(system: LateralSystem, plane: int) -> Plane:
     """Modes of a supported plane, by the inverse of the stiffness scaled to a diagonal of 1."""
+    from scipy.linalg import cho_factor, eigh, solve_triangular
+
     stiffness = system.stiffness + system.support("stiffness", plane)
     free = np.ix_(system.free, system.free)
     scale = 1.0 / np.sqrt(np.diagonal(stiffness)[system.free])
