@@ -40,25 +40,35 @@ def reports(browser: Any, tmp_path_factory: pytest.TempPathFactory) -> Callable[
 
 
 @pytest.fixture(scope="session")
-def tabs(browser: Any, reports: Callable[[str], Report]) -> Callable[..., Opened]:
+def window(browser: Any) -> Any:
+    """A window for all pages that need none of their own: its first tab starts processes."""
+    return browser.new_context()
+
+
+@pytest.fixture(scope="session")
+def tabs(browser: Any, window: Any, reports: Callable[[str], Report]) -> Callable[..., Opened]:
     """The page of a scene in a browser set up in some way, as one that was never used.
 
     One tab of each way, and of each scene of many tests, as a new one is slow. So is opening a page: it stays where
     the test before left no trace in it. What a tab can be told needs no window of its own with its processes.
     """
-    windows, tabs, shown = dict[str, Any](), dict[str, Any](), dict[str, Opened]()
+    windows, tabs, shown = {"[]": window}, dict[str, Any](), dict[str, Opened]()
 
     def opened(scene: str, **context: Any) -> Opened:
         way = str(sorted(context.items())) if context or scene not in EVERY else scene
         told = {"viewport": VIEW, "color_scheme": "light", "reduced_motion": "no-preference"}
         told.update((key, context.pop(key)) for key in told if key in context)
+        has_scripts = context.pop("java_script_enabled", True)
         if way not in tabs:
-            window = str(sorted(context.items()))
-            if window not in windows:
-                windows[window] = browser.new_context(**context)
-            tabs[way] = windows[window].new_page()
+            kind = str(sorted(context.items()))
+            if kind not in windows:
+                windows[kind] = browser.new_context(**context)
+            tabs[way] = windows[kind].new_page()
+            windows[kind].new_cdp_session(tabs[way]).send(
+                "Emulation.setScriptExecutionDisabled", {"value": not has_scripts}
+            )
         tab = tabs[way]
-        tab.bring_to_front()
+        tab.bring_to_front()  # behind another it draws nothing and waits for its wheel
         tab.set_viewport_size(told.pop("viewport"))
         tab.emulate_media(media="null", **told)
         if (kept := shown.get(way)) is not None:

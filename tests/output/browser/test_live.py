@@ -37,7 +37,7 @@ class Live:
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
         assert self.process.stdout is not None
         self.address = self.process.stdout.readline().split()[-1]
-        self.page = browser.new_page(viewport={"width": 1500, "height": 900})
+        self.page = browser.new_context(viewport={"width": 1500, "height": 900}).new_page()
         self.page.on("console", lambda message: self.messages.append(message.text))
         self.page.on("pageerror", lambda error: self.messages.append(str(error)))
         self.page.goto(self.address)
@@ -61,7 +61,7 @@ class Live:
 def live(browser: Any, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Live]:
     made = Live(browser, tmp_path_factory.mktemp("live") / "pair.yaml")
     yield made
-    made.page.close()
+    made.page.context.close()
     made.process.terminate()
     made.process.communicate()
     assert made.messages == []
@@ -119,8 +119,8 @@ def test_a_fault_stands_above_the_last_picture(live: Live) -> None:
     faults.wait_for(state="hidden")
 
 
-def test_a_page_without_the_token_shows_nothing(live: Live, browser: Any) -> None:
-    page = browser.new_page()
+def test_a_page_without_the_token_shows_nothing(live: Live) -> None:
+    page = live.page.context.new_page()  # in which nothing of the other page is kept either
     page.goto(live.address.partition("#")[0])
     page.wait_for_selector("#state.lost")
     assert "no valid token" in page.locator("#state").inner_text()

@@ -52,7 +52,7 @@ def test_a_page_in_use_prints_as_an_untouched_one_and_as_without_scripts(
     if scene in ("usv", "six_cylinder"):
         bare = opens(scene, java_script_enabled=False).page
         assert streams(bare.pdf(prefer_css_page_size=True)) == clean
-    if scene == "usv":  # opened on a dark screen; the others change to it
+    if scene == "cardan_bearings":  # opened on a dark screen; the others change to it
         page = opens(scene, color_scheme="dark")
     else:
         page = opens(scene)
@@ -70,9 +70,9 @@ def test_a_page_in_use_prints_as_an_untouched_one_and_as_without_scripts(
 
 @needs_reader
 def test_a_browser_prints_number_revision_origin_and_page_on_every_page(
-    browser: Any, tmp_path: Path
+    window: Any, tmp_path: Path
 ) -> None:
-    page = browser.new_page()
+    page = window.new_page()
     for made, identity in (
         (submitted(tmp_path), "TVC_{1} 100 % · revision B"),
         (document(solved(BARE)), "two discs"),
