@@ -118,6 +118,11 @@ class Opened:
         """What the cursor reads below a figure."""
         return self.text(name, ".values > span")
 
+    def now(self, name: str) -> float:
+        """Where the cursor of a figure stands, as it is told to a screen reader."""
+        script = "name => document.querySelector(`figure#${name} rect.area`).ariaValueNow"
+        return float(self.page.evaluate(script, name))
+
     def near(self, name: str) -> str:
         """What is said there of critical speeds and points."""
         return self.text(name, ".near")

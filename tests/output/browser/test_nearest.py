@@ -86,7 +86,7 @@ def test_the_nearest_is_sought_among_all_of_the_results(
     name = next(name for name in page.report.figures if name.startswith("torque-"))
     for key in ("Home", "End"):
         page.press(name, key)
-        speed = float(page.area(name).get_attribute("aria-valuenow"))
+        speed = page.now(name)
         assert named(page, name)[0] == digits(nearest(page, speed))
 
 
@@ -107,7 +107,7 @@ def test_of_long_lines_every_value_is_one_that_was_computed(
         for name, figure in figures.items():
             assert max(line.x.size for line in figure.lines.values()) > MOST_POINTS
             x = next(iter(figure.lines.values())).x
-            at = float(page.area(name).get_attribute("aria-valuenow"))
+            at = page.now(name)
             k = int(np.argmin(np.abs(x - at)))
             assert at == pytest.approx(x[k], rel=1e-9)
             speed, found = page.read(name)
@@ -132,7 +132,7 @@ def test_figures_of_bending_name_the_critical_speeds_of_their_shaft(
         page.press(name, "End")
         caption, near = page.report.figures[name].caption, page.near(name)
         (shaft,) = [one for one in shafts if one in caption]
-        speed = float(page.area(name).get_attribute("aria-valuenow"))
+        speed = page.now(name)
         own = [one["speed_rad_per_s"] * RPM for one in shafts[shaft]]
         if not own:
             assert near == ""
