@@ -246,3 +246,55 @@ def test_a_motion_that_ends_within_a_period_after_the_last_event_is_restricted(
     ]
     assert (row.verdict, bool(row.restrictions)) == (verdict, verdict == "restricted")
     assert row.value == pytest.approx(15e3, rel=1e-6)
+
+
+RUNNING = """
+name: running
+operation: {speeds: {from: 300 rpm, to: 1500 rpm}, rated: {speed: 1500 rpm, power: 50 kW}}
+train:
+- motor: {name: a, inertia: 2}
+- coupling: {name: soft, stiffness: 20 kN*m/rad, max_torque: 20 kN*m, max_torque_range: RANGE}
+- machine: {name: b, inertia: 2}
+analyses: {transient: {duration: DURATION, events: [{at: a, time: 0.1 s, EVENT}]}}
+"""
+
+
+@pytest.mark.parametrize(("duration", "verdict"), [("0.26 s", "restricted"), ("0.5 s", "fail")])
+def test_a_torque_that_ends_moves_the_train_as_its_begin(duration: str, verdict: str) -> None:
+    """After 3.5 periods of 44.4 ms the end of the step adds to what its begin left."""
+    text = RUNNING.replace("EVENT", "step: {torque: 600 N*m, length: 0.1555 s}")
+    text = text.replace("DURATION", duration).replace("RANGE", "900 N*m")
+    (row,) = [row for row in rows(text) if row.clause == "dT_max"]
+    assert row.verdict == verdict
+
+
+@pytest.mark.parametrize(
+    ("event", "last"),
+    [
+        ("step: {torque: 1, length: 0.2 s}", 0.2),
+        ("sine: {torque: 1, frequency: 3, until: 0.2 s}", 0.2),
+        ("pulse: {torque: 1, length: 0.2 s}", 0.2),
+        ("table: {rows: [[0 s, 0], [0.2 s, 1], [0.3 s, -1]]}", 0.3),
+        ("stop: {ramp: 0.1 s, length: 0.2 s}", 0.3),
+        ("start: {torque: [[0 rpm, 1], [1500 rpm, 0]], off: 0.2 s}", 0.2),
+        (
+            "short-circuit: {coefficients: {line: 5}, decay: [1 s, 1 s], clear: 0.1 s, reclose: 0.2 s}",
+            0.3,
+        ),
+    ],
+)
+def test_what_an_event_states_after_the_end_of_a_motion_restricts_it(
+    event: str, last: float
+) -> None:
+    """The last change of the torque: not reached, reached within a period of 44.4 ms before the end, and earlier."""
+    words = list[str]()
+    for after in (-0.01, 0.01, 0.05):
+        text = RUNNING.replace("EVENT", event).replace("DURATION", f"{0.1 + last + after!r} s")
+        findings = torsion.run(torsion.parse(text.replace("RANGE", "20 kN*m")))
+        words.append("; ".join(findings.checks[0].restrictions))
+        (motion,) = findings["transient"].each
+        assert any("after the end" in name for name in motion.not_acting) == (after < 0)
+    unreached, early, whole = words
+    assert f" at a at {0.1 + last:.6g} s" in unreached
+    assert early.startswith("ends 0.01 s after the last change")
+    assert not whole

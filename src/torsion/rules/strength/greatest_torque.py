@@ -3,14 +3,15 @@
 Where damage is counted, a life that is used up fails too.
 """
 
+import math
 from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from torsion.analyses.motion.events.transient_settings import cases
-from torsion.analyses.motion.train.state_before import LEFT_OUT
+from torsion.analyses.motion.events.transient_settings import ROUNDING, cases
+from torsion.analyses.motion.train.state_before import LEFT_OUT, point
 from torsion.analyses.motion.transient_motion import TransientMotion, Transients
-from torsion.analyses.undamped_modes import Modes
+from torsion.analyses.undamped_modes import Modes, modes
 from torsion.arrays import FloatArray
 from torsion.findings import Results
 from torsion.model.parts import Part
@@ -56,16 +57,35 @@ def _checks(
         note = "the larger of two motions that impacts set apart, and their difference added"
     without = [words for words in motion.not_acting if words.endswith(LEFT_OUT)]
     left_out = f"does not act: {'; '.join(without)}" if without else ""
-    # The largest torque of a step comes half a period of the lowest mode after it, a beat of several modes later.
-    modes, early = evidence.get(Modes), ""
-    if modes is not None and len(modes.frequency):
-        period = 1.0 / float(modes.frequency[0])
-        for settings, _ in cases(evidence.study):
-            times = [event.time for event in settings.events]
-            left = settings.duration - max(times, default=0.0)
-            if settings.name == motion.name and times and left < period:
-                early = f"ends {left:.3g} s after the last event, within a period of mode 1 ({period:.3g} s)"
-    conditions = left_out, early
+    # The largest torque of a step comes half a period of the lowest mode after it, a beat of several modes later; the
+    # end of a torque is a step as its begin is.
+    early = unreached = ""
+    changes = {
+        event.time + late: f"{event.body.key} at {event.at}"
+        for settings, _ in cases(evidence.study)
+        if settings.name == motion.name
+        for event in settings.events
+        for late in event.body.changes(
+            point(evidence.study, evidence.system, motion.speed_before, event.at)
+        )
+    }
+    # A clutch that ceases to slip is a step too.
+    for change in () if motion.switching is None else motion.switching.events:
+        if change.what == "stuck" and evidence.study.train[change.coupling].is_clutch:
+            changes[change.time] = f"{change.coupling} stuck"
+    end = float(motion.time[-1])
+    later = {time: name for time, name in changes.items() if time > end * (1.0 + ROUNDING)}
+    if later:
+        last = max(later)
+        unreached = f"ends at {end:g} s, {later[last]} at {last:.6g} s"
+    known = evidence.get(Modes) or modes(evidence.system, 1)
+    if changes and len(known.frequency):
+        period = 1.0 / float(known.frequency[0])
+        left = end - max((time for time in changes if time not in later), default=-math.inf)
+        if left < period:
+            early = f"ends {max(left, 0.0):.3g} s after the last change of an event"
+            early += f", within a period of mode 1 ({period:.3g} s)"
+    conditions = left_out, unreached, early
 
     def judge(
         clause: str, what: str, values: FloatArray, limit: float, unit: str, standing: Standing

@@ -79,6 +79,10 @@ class Kind(Declared):
         """Its phase, sense or time is open, and the worst of them is judged."""
         return False
 
+    def changes(self, point: Point) -> list[float]:
+        """Times (s) after its begin, rising, between which its torque has one law."""
+        return [0.0]
+
     def pieces(self, begin: float, point: Point) -> Iterator[Piece]:
         """Its torque over time, N m at the point's own speed, positive in the sense of rotation."""
         return iter(())

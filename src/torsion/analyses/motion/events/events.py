@@ -47,6 +47,9 @@ class Lasting(Kind):
         """s, infinite to the end of the motion."""
         return self.length or self.until or math.inf
 
+    def changes(self, point: Point) -> list[float]:
+        return [0.0] if math.isinf(self.lasts) else [0.0, self.lasts]
+
 
 class Step(Lasting):
     """A torque that begins at once and stays."""
@@ -91,6 +94,9 @@ class Table(Kind):
         rows = pairs(point.folder / self.file, columns)
         return tuple((time, torque) for time, torque in rows)
 
+    def changes(self, point: Point) -> list[float]:
+        return [time for time, _ in self.rows_read(point)]
+
     def pieces(self, begin: float, point: Point) -> Iterator[Piece]:
         return ramps([(begin + time, torque) for time, torque in self.rows_read(point)])
 
@@ -110,6 +116,9 @@ class Pulse(Kind):
     torque: SignedTorque = required("its greatest torque")
     length: Length = required("how long it lasts")
     shape: Literal["half-sine", "rectangle", "triangle"] = given("its shape", "half-sine")
+
+    def changes(self, point: Point) -> list[float]:
+        return [0.0, self.length / 2.0, self.length]
 
     def pieces(self, begin: float, point: Point) -> Iterator[Piece]:
         end = begin + self.length
@@ -179,6 +188,10 @@ class Stop(Lasting):
             return 0.0
         return self.share * (min(late / self.ramp, 1.0) if self.ramp else 1.0)
 
+    def changes(self, point: Point) -> list[float]:
+        late = super().changes(point)
+        return [0.0, *(self.ramp + time for time in late)] if self.ramp else late
+
     def pieces(self, begin: float, point: Point) -> Iterator[Piece]:
         low, full = self.share * point.mean, begin + self.ramp
         if self.ramp:
@@ -217,6 +230,9 @@ class Clutch(Kind):
     def lacks(self, point: Point) -> Lack:
         hint = "name a coupling with `capacity`"
         return None if point.is_clutch else (f"'{point.name}' is no clutch", hint)
+
+    def changes(self, point: Point) -> list[float]:
+        return [time for time, _ in self.rows(0.0, 0.0)]
 
     def rows(self, begin: float, capacity: float) -> tuple[tuple[float, float], ...]:
         """((s, N m), ...) its capacity, linear between rows and constant after the last."""

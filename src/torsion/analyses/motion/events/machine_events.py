@@ -123,6 +123,9 @@ class Start(Kind):
     def leaves_open(self) -> bool:
         return self.slip_pulsation is not None and self.phase == WORST
 
+    def changes(self, point: Point) -> list[float]:
+        return [0.0] if self.off is None else [0.0, self.off]
+
     def pieces(self, begin: float, point: Point) -> Iterator[Piece]:
         if self.pulsation is not None:
             rate = complex(-1.0 / self.pulsation.decay, 2.0 * math.pi * self.line)
@@ -174,6 +177,9 @@ class Load(Kind):
             return self.law == "propeller"
         return len({torque for _, torque in self.law}) > 1
 
+    def changes(self, point: Point) -> list[float]:
+        return [0.0] if self.off is None else [0.0, self.off]
+
     def laws(self, begin: float, point: Point) -> "Iterator[Law]":
         from torsion.kernels.motion import torque_laws
 
@@ -207,6 +213,9 @@ class SpeedProgram(Kind):
     program: Program = required(
         "[[time, speed], ...] from the begin of the event, straight between; then the last"
     )
+
+    def changes(self, point: Point) -> list[float]:
+        return [time for time, _ in self.program]
 
     def rates(self, begin: float) -> list[tuple[float, float, float]]:
         """Begin and end (s) and rate (rad/s2) of every line of it."""
@@ -305,6 +314,11 @@ class ShortCircuit(Kind):
     @property
     def leaves_open(self) -> bool:
         return True
+
+    def changes(self, point: Point) -> list[float]:
+        begins = [0.0] if self.reclose is None else [0.0, self.reclose[1]]
+        lasts = [0.0] if self.clear is None else [0.0, self.clear]
+        return [begin + late for begin in begins for late in lasts]
 
     def pieces(self, begin: float, point: Point) -> Iterator[Piece]:
         w, (first, second) = 2.0 * math.pi * self.line, self.decay

@@ -221,6 +221,11 @@ class Ice(Kind):
             return f"{needs} the speed of '{point.name}'", hint
         return None
 
+    def changes(self, point: Point) -> list[float]:
+        """With its end at the speed of the point, where that is known."""
+        end = [2.0 * math.pi * self.revolutions / point.speed] if point.speed else []
+        return [0.0, *end]
+
     def pieces(self, begin: float, point: Point, speed: float | None = None) -> Iterator[Piece]:
         """All blades that hit, turning at a speed (rad/s; default: that of the point)."""
         speed, ice = point.speed if speed is None else speed, self.of_class(point)

@@ -9,8 +9,8 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field
 
 from torsion import fields
-from torsion.analyses.motion.events.event_kind import Kind, Length, Point
-from torsion.analyses.motion.events.events import Clutch, Event, Pulse, Stop, Table
+from torsion.analyses.motion.events.event_kind import Length, Point
+from torsion.analyses.motion.events.events import Clutch, Event, Stop, Table
 from torsion.analyses.motion.events.machine_events import (
     ELECTRICAL,
     ShortCircuit,
@@ -286,7 +286,7 @@ def _event_faults(
     if isinstance(body, Table) and (lack := body.lacks(files)) is not None:
         yield Fault((*path, "table", "file"), *lack)
         return
-    corners = [event.time + late for late in _corners(body, files)]
+    corners = [event.time + late for late in body.changes(files)]
     if any(a >= b for a, b in pairwise(corners)):
         message = (
             f"times of the event fall together: near {event.time:g} s numbers do not resolve them"
@@ -301,16 +301,6 @@ def _event_faults(
         )
         hint = f"a `reclose` below {settings.duration - event.time:g} s, or a longer `duration`"
         yield Fault((*path, "short-circuit", "reclose"), message, hint)
-
-
-def _corners(body: Kind, files: Point) -> list[float]:
-    """Times (s) after the begin of an event, which rise, between which its torque has one law."""
-    if isinstance(body, Table | Clutch):
-        rows = body.rows_read(files) if isinstance(body, Table) else body.rows(0.0, 0.0)
-        return [time for time, _ in rows]
-    if isinstance(body, Pulse):
-        return [0.0, body.length / 2.0, body.length]
-    return [0.0, body.ramp] if isinstance(body, Stop) and body.ramp else []
 
 
 def _names_and_orders(

@@ -12,7 +12,7 @@ import numpy as np
 from torsion.analyses.motion.events.event_kind import Lack, Point
 from torsion.analyses.motion.events.events import Event, Stop
 from torsion.analyses.motion.events.machine_events import Load, ShortCircuit, SpeedProgram, Start
-from torsion.analyses.motion.events.transient_settings import PATH, TransientSettings
+from torsion.analyses.motion.events.transient_settings import PATH, ROUNDING, TransientSettings
 from torsion.arrays import ComplexArray, FloatArray
 from torsion.assembly.system import System
 from torsion.errors import Fault, InputError, Path, SolveError
@@ -274,6 +274,10 @@ def acting_torques(study: Study, settings: TransientSettings) -> ActingTorques:
         torque = getattr(event.body, "torque", None)
         amount = f" {torque:g} N m" if isinstance(torque, float) else ""
         acting.append(f"{event.body.key}{amount} at {event.at} from {event.time:g} s")
+        last = event.time + event.body.changes(Point(folder=FilePath(study.file).parent))[-1]
+        if last > settings.duration * (1.0 + ROUNDING):
+            words = f"{event.body.key} at {event.at} from {settings.duration:g} to {last:g} s"
+            not_acting.append(f"{words} (after the end)")
     return ActingTorques(tuple(acting), tuple(not_acting))
 
 
