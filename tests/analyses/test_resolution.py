@@ -1,6 +1,7 @@
 """A system knows up to which frequency its shafts are resolved; modes and response beyond it refine, or say so."""
 
 import math
+from functools import cache
 
 import numpy as np
 import pytest
@@ -27,27 +28,26 @@ STEPPED = "\n".join(
 EXCITED = "\noperation: {speeds: {from: 30 rad/s, to: 150 rad/s}}\nexcitations: [{at: first, order: 20, torque: 100}]\n"
 
 
-def transfer(hertz: float) -> np.ndarray:
-    """(2, 2) from angle rad and torque N m before the first disc to those behind the last: continua, closed form."""
+def torque_behind(hertz: float | np.ndarray) -> float | np.ndarray:
+    """N m behind the last disc where the first one turns by 1 rad, no torque on it: continua, closed form."""
     w = 2.0 * math.pi * hertz
-    matrix = np.array([[1.0, 0.0], [-w * w * DISCS[0], 1.0]])
+    angle, torque = 1.0, -w * w * DISCS[0]
     for length, outer in SHAFTS:
         wave = w * math.sqrt(DENSITY / MODULUS)
         stiff = MODULUS * math.pi * outer**4 / 32.0 * wave
-        turn, c, s = wave * length, math.cos(wave * length), math.sin(wave * length)
-        assert turn > 0
-        matrix = np.array([[c, s / stiff], [-stiff * s, c]]) @ matrix
-    return np.array([[1.0, 0.0], [-w * w * DISCS[1], 1.0]]) @ matrix
+        c, s = np.cos(wave * length), np.sin(wave * length)
+        angle, torque = c * angle + s / stiff * torque, c * torque - stiff * s * angle
+    return torque - w * w * DISCS[1] * angle
 
 
+@cache
 def stepped_frequencies(count: int) -> np.ndarray:
     """(count,) Hz: both ends are free of torque."""
     scan = np.linspace(1.0, 2000.0, 40_001)
-    value = [transfer(hertz)[1, 0] for hertz in scan]
+    value = torque_behind(scan)
     roots = [
-        brentq(lambda f: transfer(f)[1, 0], *scan[k : k + 2], xtol=1e-12, rtol=1e-14)
-        for k in range(len(scan) - 1)
-        if value[k] * value[k + 1] < 0
+        brentq(torque_behind, *scan[k : k + 2], xtol=1e-12, rtol=1e-14)
+        for k in np.flatnonzero(value[:-1] * value[1:] < 0)
     ]
     return np.array(roots[:count])
 
@@ -132,14 +132,13 @@ def test_shafts_that_cannot_be_refined_enough_are_an_error(monkeypatch):
 
 @pytest.mark.parametrize("model", MODELS)
 def test_a_response_beyond_the_resolution_refines_the_shafts(model):
-    """The angle of the last disc under 100 N m at the first: 100 / t10 with the transfer matrix t of the continua."""
+    """The angle of the last disc under 100 N m at the first: that of the continua."""
     scene = torsion.parse(STEPPED + EXCITED)
     speeds = np.array([30.0, 100.0, 150.0])  # rad/s; order 20 up to 477 Hz
     coarse = torsion.assemble(scene.train, model=model)
     found = torsion.response(scene, coarse, speeds=speeds)
     at = [int(np.flatnonzero(found.speed == speed)[0]) for speed in speeds]
-    matrix = [transfer(20.0 * speed / (2.0 * math.pi)) for speed in speeds]
-    last = np.array([100.0 / m[1, 0] for m in matrix])
+    last = 100.0 / torque_behind(20.0 * np.array(speeds) / (2.0 * math.pi))
     station = scene.train["last"].stations[0]
     np.testing.assert_allclose(found.angle[at, 0, station], last, rtol=50 * MODELS[model])
     assert found.system.resolved_to >= 20.0 * 150.0 / (2.0 * math.pi)
@@ -164,7 +163,7 @@ def test_a_response_over_frequency_beyond_the_resolution_refines_the_shafts():
     hertz = np.array([40.0, 300.0])
     found = frequency_response(scene, coarse, frequencies=hertz)
     at = [int(np.flatnonzero(found.frequency == one)[0]) for one in hertz]
-    last = [100.0 / transfer(one)[1, 0] for one in hertz]
+    last = 100.0 / torque_behind(np.array(hertz))
     station = scene.train["last"].stations[0]
     np.testing.assert_allclose(found.angle[at, station], last, rtol=0.05)
     assert found.system.resolved_to >= 300.0
