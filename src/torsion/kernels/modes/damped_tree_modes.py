@@ -89,11 +89,11 @@ def log_derivative(
 
     Leaf-to-root elimination and its derivative side by side; rigid spans merge, fixed stations take no part.
     """
-    tree, plan, size = train.tree, train.plan, train.plan.size
+    tree, plan, ground = train.tree, train.plan, train.ground[:, None]
     total = np.zeros(len(root), dtype=complex)
-    stiffness = [train.ground[i] * root + tree.inertia[i] * root * root for i in range(size)]
-    slope = [train.ground[i] + 2 * tree.inertia[i] * root for i in range(size)]
-    for station in range(size - 1, -1, -1):
+    inertial = tree.inertia[:, None] * root
+    stiffness, slope = [*(ground * root + inertial * root)], [*(ground + 2 * inertial)]
+    for station in range(plan.size - 1, -1, -1):
         parent = plan.parent[station]
         if plan.prescribed[station] and not (plan.held[station] and parent >= 0):
             continue
