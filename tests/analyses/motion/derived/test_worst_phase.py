@@ -26,7 +26,7 @@ def started(phase: object) -> TransientMotion:
         "duration": 1.15,
         "initial": "rest",
         "events": [{"at": "d1", "start": start}],
-        "tolerance": 1e-5,
+        "tolerance": 1e-4,
     }
     return moved(parts, body)
 

@@ -191,7 +191,7 @@ def test_the_gas_of_cylinders_at_a_mean_torque_that_stays_does_not_follow_the_la
     text = (
         BRAKED.replace("AT_PUMP", "0 N*m")
         .replace("EVENT", BRAKE)
-        .replace("duration: 1 s", "duration: 0.6 s")
+        .replace("duration: 1 s", "duration: 0.45 s")
     )
     head, tail = text[: text.index("motor:")], text[text.index("- coupling: {name: c") :]
     by_law = [
@@ -322,18 +322,24 @@ def test_the_plan_says_how_long_a_fast_order_takes(tmp_path: Path) -> None:
 def test_a_fast_order_runs_over_many_periods_and_shakes_the_coupling_as_its_closed_form_says() -> (
     None
 ):
-    """1000 periods of 1 kHz: the twist of two discs under a torque A far above their mode is A/(J w^2), and k of it."""
-    motion = moved(FAST.replace(STEP, ", samples: 4003").replace("duration: 2 s", "duration: 1 s"))
-    late = motion.torque[0, motion.time > 0.5]
+    """300 periods of 1 kHz: the twist of two discs under a torque A far above their mode is A/(J w^2), and k of it."""
+    motion = moved(
+        FAST.replace(STEP, ", samples: 1201").replace("duration: 2 s", "duration: 0.3 s")
+    )
+    late = motion.time > 0.15
     w, damping = 2000.0 * math.pi, 6.0
     stiffness = 3000.0 + 1j * w * damping
     inertia = 3.0 * 1.0 / 4.0  # of the twist
     exact = abs(stiffness / (stiffness - inertia * w**2)) * 50.0 * 1.0 / 4.0
-    assert motion.steps > 3000
-    assert np.ptp(late) / 2.0 == pytest.approx(exact, rel=1e-2)
+    assert motion.steps > 900
+    order = 2.0 * np.mean(motion.torque[0, late] * np.exp(-1j * w * motion.time[late]))
+    assert abs(order) == pytest.approx(exact, rel=1e-2)
 
 
-def test_an_order_that_would_take_hours_is_refused_with_what_to_do() -> None:
+def test_an_order_that_would_take_hours_is_refused_with_what_to_do(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("torsion.kernels.motion.collocation.WATCHED", 100)
     study = torsion.parse(FAST.replace("duration: 2 s", "duration: 1 h"))
     settings = study.analyses["transient"]
     assert isinstance(settings, TransientSettings)

@@ -64,7 +64,7 @@ def pump(t: float, angle: np.ndarray, speed: np.ndarray) -> float:
 
 def test_a_motor_starts_a_pump_through_a_coupling_with_play() -> None:
     play = "stiffness: 6e4, clearance: {angle: 0.02 rad, viscous: 20}"
-    found = moved(THREE.format(play), duration=1.0, events=START)
+    found = moved(THREE.format(play), duration=0.6, events=START)
     discs = Discs(
         [1.2, 0.3, 2.0],
         [(0, 1, 4e4, 3.0)],
@@ -212,7 +212,7 @@ CASES = {
 @pytest.mark.parametrize("name", CASES)
 def test_a_clutch_that_never_slips_is_a_linear_coupling(name: str) -> None:
     text, body = CASES[name]
-    linear, found = (moved(text.format(one), duration=0.1, **body) for one in (LINEAR, NEVER))
+    linear, found = (moved(text.format(one), duration=0.06, **body) for one in (LINEAR, NEVER))
     assert found.steps > 0
     assert np.abs(found.torque - linear.torque).max() <= 1e-8 * linear.peak.max()
     assert np.abs(found.speed - linear.speed).max() <= 1e-9 * np.abs(linear.speed).max()

@@ -65,7 +65,7 @@ def trains(draw: st.DrawFn) -> Drawn:
 
 def moved(drawn: Drawn, **body: object) -> TransientMotion:
     study = torsion.parse(drawn.text)
-    chosen = TransientSettings.model_validate({"duration": 0.3, "samples": 1000, **body})
+    chosen = TransientSettings.model_validate({"duration": 0.2, "samples": 1000, **body})
     found = transient(study, assemble(study.train, model="lumped"), chosen)
     assert found.switching is not None
     assert len(found.switching.events) < MOST_EVENTS
