@@ -4,6 +4,7 @@ import math
 from fractions import Fraction
 from pathlib import Path
 
+import numpy as np
 import pytest
 from tests.for_all import for_all
 
@@ -164,17 +165,37 @@ rules: [iacs-m68]
 """
 
 
-def test_least_diameter_is_that_of_all_cylinders_where_one_does_not_fire() -> None:
-    """The rated power is that of all four; a diameter grows with the cube root of the torque."""
-    least = [
+@pytest.mark.parametrize(
+    "rating", [", power: 400 kW}", "}\n  load: [[1 rpm, 1 N*m], [2000 rpm, 8 kN*m]]"]
+)
+def test_least_diameter_is_that_of_all_cylinders_where_one_does_not_fire(rating: str) -> None:
+    """The rated torque is that of all four, whether the file states the power or a table of the load."""
+    text = CUT_OUT.replace("operation: {", "operation:\n  ").replace(", rated:", "\n  rated:")
+    text = text.replace(", power: 400 kW}}", rating)
+    least, reduced = (
         next(
             check.limit
-            for check in torsion.run(torsion.parse(CUT_OUT.replace("CUT", cut))).need(Checks).lines
+            for check in torsion.run(torsion.parse(text.replace("CUT", cut))).need(Checks).lines
             if check.clause == "minimum diameter"
         )
         for cut in ("", ", cut_out: 2")
-    ]
-    assert least[1] / least[0] == pytest.approx((4.0 / 3.0) ** (1.0 / 3.0), rel=1e-12)
+    )
+    assert reduced == pytest.approx(least, rel=1e-12)
+
+
+def test_the_rated_torque_of_a_mesh_is_that_of_all_cylinders_where_one_does_not_fire() -> None:
+    gear = "- gear: {name: g, ratio: 2, inertia: [1, 2], application_factor: 1.4}\n- shaft"
+    text = CUT_OUT.replace("- shaft", gear).replace("iacs-m68", "gear-hammer")
+    limit, reduced = (
+        next(
+            check.limit
+            for check in torsion.run(torsion.parse(text.replace("CUT", cut))).need(Checks).lines
+            if check.clause == "(K_A - 1) T_rated"
+        )
+        for cut in ("", ", cut_out: 2")
+    )
+    assert limit == pytest.approx(0.4 * 400e3 / (1000 * np.pi / 30), rel=1e-9)
+    assert reduced == pytest.approx(limit, rel=1e-12)
 
 
 SCENE = Path(__file__).parents[2] / "shafting_specs" / "diesel_misfire.yaml"

@@ -350,7 +350,10 @@ def spans_of(system: System, part: int) -> IntArray:
 
 
 def rated_torque(evidence: Results) -> FloatArray | None:
-    """Return (spans,) N m: magnitude of the mean torque at the rated speed, if computed there; None if unknown."""
+    """Return (spans,) N m: magnitude of the mean torque at the rated speed, if computed there; None if unknown.
+
+    It is that of an engine whose cylinders all fire: what lacks of a misfire is no lower rating.
+    """
     steady, operation = evidence.get(Steady), evidence.study.operation
     rated, load = operation.rated, operation.load
     if steady is None or rated is None:
@@ -360,14 +363,19 @@ def rated_torque(evidence: Results) -> FloatArray | None:
         return None
     power = load.exponent if load.exponent > 0 and not load.table else 1.0
     rows = [np.interp(rated.speed**power, steady.speed**power, torque) for torque in steady.torque]
-    return np.asarray(np.abs(np.array(rows)))
+    return np.asarray(np.abs(np.array(rows))) / _delivered(evidence.study)
+
+
+def _delivered(study: Study) -> float:
+    """Return the share of the loads that an engine delivers with the cylinders that fire; 1 where none does."""
+    return float(power_balance(study.train, study.operation).delivered) or 1.0
 
 
 def full_torque(evidence: Results) -> FloatArray | None:
     """Return (spans,) N m at the rated speed, of the full power at least: what is carried with less is scaled up.
 
-    That is `rated.power`, or what all loads take when every cylinder fires. A table of the load may give less, and an
-    engine with a cylinder that does not fire. Where nothing is carried there, every span has the whole rated power.
+    That is `rated.power`, or what all loads take. A table of the load may give less. Where nothing is carried there,
+    every span has the whole rated power.
     """
     torque, power = rated_torque(evidence), rated_power(evidence.study)
     rated = evidence.study.operation.rated
@@ -377,7 +385,7 @@ def full_torque(evidence: Results) -> FloatArray | None:
     row = int(np.argmin(np.abs(steady.speed - rated.speed)))
     applied = np.maximum(steady.applied[:, row], 0.0)
     ratios = np.array([abs(float(station.ratio)) for station in system.stations[: len(applied)]])
-    carried = float(applied @ ratios) * rated.speed
+    carried = float(applied @ ratios) * rated.speed / _delivered(evidence.study)
     if carried > 0:
         return torque * max(1.0, power / carried)
     return torque if np.any(torque) else np.asarray(power / rated.speed / np.abs(system.span_ratio))

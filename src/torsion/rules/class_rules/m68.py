@@ -39,7 +39,6 @@ from torsion.rules.demands import (
     START,
     ZERO_PITCH,
     distinct,
-    engines_of,
     in_rpm,
     misfire_row,
     order_rows,
@@ -333,13 +332,7 @@ class M68(RuleOverSpeed[M68Settings]):
             return
         is_smooth = drive != "other" and shaft.role == "intermediate"
         factor = SMOOTH_DRIVE_FACTOR if is_smooth else DRIVE_FACTOR
-        firing = [
-            sum(share for _, share in engine.drives)
-            for engine in engines_of(evidence.study)
-            if engine.drives
-        ]
-        mean = float(np.max(torque[spans_of(evidence.system, shaft.part)]))
-        load = mean / min([*firing, 1.0]) * KW_PER_RPM  # rated power is that of all cylinders
+        load = float(np.max(torque[spans_of(evidence.system, shaft.part)])) * KW_PER_RPM
         ends = [
             (outer, m68_shafts.least_diameter(load, shaft.strength, factor, shaft.k, bore / outer))
             for outer, bore in shaft.ends
