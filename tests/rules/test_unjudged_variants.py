@@ -88,3 +88,18 @@ def test_one_case_that_counts_is_named_in_the_headline(limit, words) -> None:
     text = TRAIN.replace("RULES", "coupling-maker").replace("1 kN*mTOLERANCE", limit)
     cases = "cases: {other: {scale: {soft.stiffness: 80 %}, judged: false}}\n"
     assert headline_of_cases(torsion.run(torsion.parse(text + cases)).each)[0][1] == words
+
+
+def test_a_case_whose_motion_has_no_answer_is_not_judged_although_no_rule_is_named() -> None:
+    text = """
+name: clutch
+operation: {speeds: {from: 300 rpm, to: 1500 rpm}, rated: {speed: 1500 rpm, power: 50 kW}}
+train:
+- motor: {name: M, inertia: 1.2}
+- coupling: {name: c, stiffness: 20 kN*m/rad, capacity: 500 N*m, max_torque: 2 kN*m}
+- machine: {inertia: 6}
+analyses: {modes: , transient: {duration: 0.4 s, events: [{at: M, step: {torque: 100 N*m}}]}}
+cases: {overload: {set: {operation.rated.power: 90 kW}}}
+"""
+    (_, words), _ = headline_of_cases(torsion.run(torsion.parse(text)).each)
+    assert words == "NOT JUDGED: case overload (1 of 2)"

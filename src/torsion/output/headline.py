@@ -102,7 +102,7 @@ def headline_of_cases(cases: Cases) -> tuple[Head, Kind]:
     with_rules = {
         name: case
         for name, case in counted_cases.items()
-        if case.study.rules or lines_of(case) or not case.is_answered
+        if case.study.rules or lines_of(case) or case.plan.unanswered
     }
     verdicts = {name: verdict(case) for name, case in (with_rules or counted_cases).items()}
     worst = next(word for word in WORDS if word in verdicts.values())
