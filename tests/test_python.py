@@ -28,6 +28,7 @@ from torsion.model import KINDS
 from torsion.model.component import component_class
 from torsion.output.stored.results_json import results
 from torsion.results import is_declared, quantities
+from torsion.rules.verdict_line import Check
 
 
 def test_every_public_name_is_listed_and_documented() -> None:
@@ -487,3 +488,30 @@ def test_the_torque_of_a_motion_is_reached_by_name() -> None:
 def test_findings_of_a_tilting_shaft_are_copied_to_another_process() -> None:
     findings = solved("cardan_bearings")
     assert results(pickle.loads(pickle.dumps(findings))) == results(findings)
+
+
+def test_a_part_whose_name_reads_as_a_number_is_built_and_removed_by_its_name() -> None:
+    train = [
+        torsion.motor("1e3", inertia=1.0),
+        torsion.coupling("c", stiffness=1e4),
+        torsion.disc("yes", inertia=2.0),
+        torsion.coupling("e", stiffness=1e4),
+        torsion.disc("0x10", inertia=2.0),
+    ]
+    study = torsion.build("N", train)
+    assert [part.name for part in study.train.parts] == ["1e3", "c", "yes", "e", "0x10"]
+    shorter = study.with_(remove="0x10").with_(remove=["e"])
+    assert [part.name for part in shorter.train.parts] == ["1e3", "c", "yes"]
+
+
+def test_a_check_without_a_speed_has_none_in_rpm() -> None:
+    check = Check("rule", "clause", "where", "what", 1.0, 2.0, "1", "pass", "rule text", None, None)
+    assert check.speed_rpm is None
+
+
+def test_a_result_by_two_axes_is_no_data_frame() -> None:
+    pytest.importorskip("pandas")
+    results = solved("usv").results
+    for name in ("synthesis", "mean"):
+        with pytest.raises(TypeError, match=r"no rows: use `findings\.to_dict"):
+            results[name].to_dataframe()

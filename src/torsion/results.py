@@ -137,7 +137,8 @@ class Keyed:
             return getattr(self, names[key])
         in_radians = f"{key.removesuffix('_rpm')}_rad_per_s"
         if key.endswith("_rpm") and in_radians in names:
-            return getattr(self, names[in_radians]) * RPM
+            speed = getattr(self, names[in_radians])
+            return None if speed is None else speed * RPM
         raise AttributeError(
             f"'{type(self).__name__}' has no attribute '{key}'", name=key, obj=self
         )

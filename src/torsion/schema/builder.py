@@ -120,7 +120,8 @@ def vary(
         raise refusal(
             "the study was not read from a text, so that it has no keys to change", "torsion.build"
         )
-    keys = {"set": plain_value(values), "scale": plain_value(factors), "remove": list(removed)}
+    names = [removed] if isinstance(removed, str) else list(removed)
+    keys = {"set": plain_value(values), "scale": plain_value(factors), "remove": names}
     case = parse_source(yaml_text({key: value for key, value in keys.items() if value}), "with_")
     faults: list[Fault] = []
     stated = declared(CaseKeys, case.data, (), faults)

@@ -110,10 +110,28 @@ def parse_source(text: str, name: str) -> Source:
 def yaml_text(value: object, *, is_flow: bool = False) -> str:
     """A mapping as YAML, in the order of its keys; `is_flow`: all in brackets on one line."""
     style, width = (True, math.inf) if is_flow else (None, 110)
-    made: str = yaml.safe_dump(
-        value, default_flow_style=style, sort_keys=False, allow_unicode=True, width=width
+    made: str = yaml.dump(
+        value,
+        None,
+        _Writer,
+        default_flow_style=style,
+        sort_keys=False,
+        allow_unicode=True,
+        width=width,
     )
     return made
+
+
+class _Writer(yaml.SafeDumper):
+    """Quotes what is text and would be read as a number, such as a part called 1e3."""
+
+
+_Writer.add_representer(
+    str,
+    lambda writer, text: writer.represent_scalar(
+        "tag:yaml.org,2002:str", text, style=None if isinstance(resolved(text), str) else "'"
+    ),
+)
 
 
 def in_brackets(value: object) -> str:

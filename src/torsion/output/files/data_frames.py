@@ -68,14 +68,14 @@ def data_frame(result: Any) -> "pandas.DataFrame":
         }
     else:
         arrays = [quantity for quantity in quantities(type(result)) if quantity.axes]
-        if not arrays:
-            raise TypeError(f"{type(result).__name__} has no rows: use `to_dict()`")
-        (axis, *_) = arrays[0].axes
+        axis = arrays[0].axes[0] if arrays else ""
         columns = {
             quantity.key: getattr(result, quantity.name)
             for quantity in arrays
             if quantity.axes == (axis,)
         }
+        if len(columns) < (1 if axis == "mode" else 2):  # the first numbers the rows
+            raise TypeError(f"{type(result).__name__} has no rows: use `findings.to_dict()`")
     frame = pandas.DataFrame(columns)
     if axis in ("check", "mode"):
         return frame.set_index(pandas.RangeIndex(1, 1 + len(frame), name=axis))
