@@ -325,7 +325,7 @@ def _planned(study: Study) -> Planned:
             steps.append((title, sizes.get(name, ""), "the file names it" if is_named else why))
     if study.rules:
         steps.append(("rules", ", ".join(name for name, _ in study.rules), "the file names them"))
-    return Planned(tuple(steps), (*left_out, *not_judged(study)))
+    return Planned(tuple(steps), (*study.train.taken_as_linear, *left_out, *not_judged(study)))
 
 
 def _sizes(study: Study, system: System, ruled: frozenset[str], components: int) -> dict[str, str]:

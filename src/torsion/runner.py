@@ -21,7 +21,15 @@ from torsion.findings import (
     silent,
 )
 from torsion.rules import needed, not_judged, of_study, rule, standing_verdicts, verdicts
-from torsion.rules.verdict_line import BarredRange, Check, Checks, rank, with_basis, worst_checks
+from torsion.rules.verdict_line import (
+    VERIFIED_CLAUSE,
+    BarredRange,
+    Check,
+    Checks,
+    rank,
+    with_basis,
+    worst_checks,
+)
 from torsion.schema.scene_reader import located, read
 from torsion.schema.study_faults import study_faults
 from torsion.sources import SOURCES, Citations, collected
@@ -373,8 +381,10 @@ def _judge(work: Work) -> None:
             verified = judging.settings.verified
             for clause in (verified.clauses or ()) if verified else ():
                 if clause not in clauses:
-                    reason = f"its clauses are {', '.join(clauses)}"
-                    work.log.without(f"{judging.name}: verified clause '{clause}'", reason)
+                    near = nearest(clause, clauses)
+                    reason = f"did you mean '{near}'? " if near else ""
+                    reason += f"its clauses are {', '.join(clauses)}"
+                    work.log.without(f"{judging.name}: {VERIFIED_CLAUSE} '{clause}'", reason)
         for what, why in not_judged(work.study):
             work.log.without(what, why)
     work.put(checks=Checks(checks))

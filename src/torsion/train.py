@@ -126,6 +126,18 @@ class Train:
         """A component of `links` closes a loop."""
         return any(part.path[:1] == ("links",) for part in self.parts)
 
+    @property
+    def taken_as_linear(self) -> tuple[tuple[str, str], ...]:
+        """What is nonlinear in its couplings and is left out of modes, of a clutch also of the response; and how."""
+        rows = []
+        for part in self.parts:
+            if part.nonlinear is not None:
+                what = "all but the transient response takes" if part.is_clutch else "modes take"
+                why = f"{what} the coupling as linear: {part.nonlinear.words}"
+                why += "" if part.is_clutch else "; the response takes it by harmonic balance"
+                rows.append((f"what is nonlinear in '{part.name}'", why))
+        return tuple(rows)
+
     def has_tables_over(self, over: str) -> bool:
         """The stiffness of a coupling follows a table over that."""
         return any(

@@ -5,6 +5,7 @@ import pytest
 import torsion
 from torsion.errors import InputError
 from torsion.findings import Findings
+from torsion.output.headline import box
 from torsion.rules.verdict_line import KINDS, Checks
 
 PUMP = """
@@ -61,6 +62,9 @@ def test_some_clauses_are_confirmed_and_an_unknown_one_is_named() -> None:
     findings = solved(", verified: {edition: x, by: y, clauses: [separatoin]}")
     assert all(check.standing != "confirmed" for check in findings.need(Checks).lines)
     assert any("separatoin" in what for what, _ in findings.plan.left_out)
+    (words,) = [words for title, words in box(findings).lines if title == "Not confirmed"]
+    assert "separatoin" in words
+    assert "did you mean 'separation" in words
 
 
 @pytest.mark.parametrize(

@@ -7,6 +7,7 @@ import pytest
 from scipy.integrate import dblquad
 
 import torsion
+from torsion.analyses.motion.transient_motion import Transients
 from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.errors import InputError
 from torsion.rules.strength.shrink_fits import slip_torque
@@ -77,3 +78,23 @@ def test_what_the_rule_lacks_is_a_fault(hub: str, power: str, words: str) -> Non
             .replace(", power: 250 kW", power)
             .replace("ripple: [{order: 2, torque: 2 %}]", "ripple: [{order: 2, torque: 20 N*m}]")
         )
+
+
+@pytest.mark.parametrize(
+    ("step", "safety", "verdict"),
+    [(10.0, 1.0, "restricted"), (10.0, 1.5, "not judged"), (30.0, 1.0, "fail")],
+)
+def test_a_motion_of_the_file_slips_the_fit(step: float, safety: float, verdict: str) -> None:
+    """A step of torque on the motor sets shaft and discs, 9 and 24 kg m2, to twice its share for the load."""
+    text = SCENE % (FIT % 80e6, f": {{safety: {safety}}}")
+    event = f"{{at: motor-1, time: 0.01 s, step: {{torque: {step} kN*m}}}}"
+    text += f"analyses: {{transient: {{duration: 60 ms, torques: none, events: [{event}]}}}}\n"
+    results = torsion.run(parse(text))
+    steady, motion = results.need(Checks).lines
+    (transient,) = results.need(Transients).each
+    before, added = float(np.abs(transient.before).max()), 2e3 * step * 24.0 / 33.0
+    assert motion.value == pytest.approx(before + added, rel=1e-3)
+    assert motion.limit == pytest.approx(slip_torque(0.1, 0.12, 80e6, 0.15), rel=1e-12)
+    assert motion.verdict == verdict
+    assert steady.verdict == "restricted"
+    assert "transient responses of the file" in steady.restrictions[0]

@@ -1,5 +1,7 @@
 """A load at constant power feeds vibration: what grows fails, against the eigenvalues of the matrices by hand."""
 
+from collections.abc import Sequence
+
 import numpy as np
 import pytest
 
@@ -20,12 +22,12 @@ rules: [coupling-maker]
 SPEEDS = np.linspace(900.0, 1500.0, 41) * np.pi / 30.0
 
 
-def growth(viscous: float) -> float:
-    """The largest real part (1/s) of the oscillating roots over the speeds; T = P/omega has the slope -P/omega^2."""
+def growth(viscous: float, slopes: Sequence[float] = tuple(-100e3 / SPEEDS**2)) -> float:
+    """The largest real part (1/s) of the oscillating roots over slopes of the load; T = P/omega has -P/omega^2."""
     stiffness, parts = 1e4, []
-    for speed in SPEEDS:
+    for slope in slopes:
         k = stiffness * np.array([[1, -1], [-1, 1]])
-        c = viscous * np.array([[1, -1], [-1, 1]]) + np.diag([0.0, -100e3 / speed**2])
+        c = viscous * np.array([[1, -1], [-1, 1]]) + np.diag([0.0, slope])
         j = np.diag([2.0, 1.0])
         inverse = np.diag(1.0 / np.diag(j))
         roots = np.linalg.eigvals(
@@ -47,6 +49,21 @@ def test_vibration_that_a_load_feeds_fails_where_it_grows(viscous: float, verdic
     assert check.verdict == verdict
     assert "'" not in check.note
     assert "load law of g is negative" in check.note
+
+
+@pytest.mark.parametrize("corners", [(695, 715), (300, 310), (1490, 1500)])
+def test_a_slope_between_two_of_the_even_speeds_fails_where_it_grows(
+    corners: tuple[int, int],
+) -> None:
+    """Speeds every 30 rpm miss what a table does within 20: its slope feeds the load as a damper of -100 N m/20 rpm."""
+    first, last = corners
+    table = f"[[200 rpm, 500], [{first} rpm, 600], [{last} rpm, 500], [1600 rpm, 650]]"
+    text = TRAIN.replace("from: 900 rpm", "from: 300 rpm").replace(", power: 100 kW", "")
+    scene = torsion.parse(text.format(viscous=0.5, load=table))
+    (check,) = [row for row in torsion.run(scene).need(Checks).lines if row.clause == "vibration"]
+    slope = -100.0 / ((last - first) * np.pi / 30.0)
+    assert check.value == pytest.approx(growth(0.5, [slope]), rel=1e-9)
+    assert check.verdict == "fail"
 
 
 def test_a_load_that_rises_with_speed_needs_no_such_row() -> None:

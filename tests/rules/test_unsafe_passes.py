@@ -1,10 +1,12 @@
 """Files that leave open, or break, what a rule demands never pass plainly."""
 
 import math
+from pathlib import Path
 
 import pytest
 
 import torsion
+from torsion import commands
 from torsion.errors import InputError
 from torsion.rules.verdict_line import Check, Checks
 
@@ -298,3 +300,40 @@ def test_what_an_event_states_after_the_end_of_a_motion_restricts_it(
     assert f" at a at {0.1 + last:.6g} s" in unreached
     assert early.startswith("ends 0.01 s after the last change")
     assert not whole
+
+
+CLUTCH = """
+name: clutch
+operation: {speeds: {from: 300 rpm, to: 1500 rpm, steps: 41}, rated: {speed: 1500 rpm, power: 100 kW}}
+train:
+- motor: {name: m, inertia: 1.2, ripple: [{order: 1, torque: 1 N*m}]}
+- coupling: {name: c, stiffness: 20 kN*m/rad, capacity: CAPACITY, rated_torque: 1 kN*m, vibratory_torque: 300}
+- generator: {name: g, inertia: 0.8}
+rules: [coupling-maker]
+"""
+
+
+@pytest.mark.parametrize(("capacity", "slips"), [("400 N*m", True), ("700 N*m", False)])
+def test_no_rule_passes_on_a_clutch_that_the_mean_torque_slips(capacity: str, slips: bool) -> None:
+    """100 kW at 1500 rpm are 636.6 N m, which the response carries through the stuck clutch."""
+    text = CLUTCH.replace("CAPACITY", capacity)
+    found = rows(text)
+    assert [row.verdict for row in found] == ["not judged" if slips else "pass"] * 2
+    for row in found:
+        assert any("clutch 'c' is taken as stuck" in words for words in row.restrictions) == slips
+
+
+def test_vibration_beside_the_mean_torque_slips_a_clutch_too() -> None:
+    """637 N m of mean and the vibration of order 1 below its resonance exceed 650 N m together."""
+    text = CLUTCH.replace("CAPACITY", "650 N*m")
+    shaken = text.replace("torque: 1 N*m", "torque: 30 N*m")
+    assert [{row.verdict for row in rows(words)} for words in (text, shaken)] == [
+        {"pass"},
+        {"not judged"},
+    ]
+
+
+def test_the_plan_names_a_clutch_as_stuck(tmp_path: Path) -> None:
+    file = tmp_path / "clutch.yaml"
+    file.write_text(CLUTCH.replace("CAPACITY", "700 N*m"))
+    assert any("clutch that is stuck" in why for _, why in commands.plan(file).left_out)

@@ -131,11 +131,8 @@ def run_assembly(work: Work) -> None:
             if work.study.case is None:
                 why += " (`cases: {from: tolerances}` varies them)"
             work.log.without(f"the tolerance of '{part.name}'", why)
-        if part.nonlinear is not None:
-            what = "all but the transient response takes" if part.is_clutch else "modes take"
-            why = f"{what} the coupling as linear: {part.nonlinear.words}"
-            why += "" if part.is_clutch else "; the response takes it by harmonic balance"
-            work.log.without(f"what is nonlinear in '{part.name}'", why)
+    for what, why in work.study.train.taken_as_linear:
+        work.log.without(what, why)
     if work.study.train.has_tables_over("mean torque") and "transient" in work.study.analyses:
         why = "the coupling has there the stiffness of the rated, else of the highest speed"
         work.log.without("the stiffness over mean torque in transient responses", why)

@@ -21,7 +21,15 @@ from torsion.output.reported_values import (
     tilted,
 )
 from torsion.results import listed
-from torsion.rules.verdict_line import TO_BE_VERIFIED, WORDS, Check, Checks, Verdict, worst_verdict
+from torsion.rules.verdict_line import (
+    TO_BE_VERIFIED,
+    VERIFIED_CLAUSE,
+    WORDS,
+    Check,
+    Checks,
+    Verdict,
+    worst_verdict,
+)
 
 if TYPE_CHECKING:
     from torsion.what_if.sweep.sweep_results import Sweep
@@ -168,6 +176,11 @@ def box(findings: Findings) -> Box:
         steps = (f"{step.what}: {step.words}" for step in case.plan.unanswered)
         return listed(steps, "; ", most=MOST_RANGES)
 
+    def unknown_clauses(case: Findings) -> str:
+        """Return the clauses that a user confirms and no check has, with the reason."""
+        left_out = case.plan.left_out
+        return listed((f"{what}: {why}" for what, why in left_out if VERIFIED_CLAUSE in what), "; ")
+
     lines = [*worst_line(solved), *_joined("Sweep", solved, _sweep_words)]
     if "design" in findings.results:
         from torsion.output.chapters.what_if.design import design_line
@@ -182,6 +195,7 @@ def box(findings: Findings) -> Box:
         *_joined("Barred ranges", solved, _barred_words),
         *_joined("Restrictions", solved, lambda case: " ".join(other_restrictions(case))),
         *_joined("Not computed", cases, failed),
+        *_joined("Not confirmed", solved, unknown_clauses),
         *(("Note", note.text) for note in notes(findings)),
     ]
     if unjudged := [name for name, case in cases.items() if not case.is_judged]:

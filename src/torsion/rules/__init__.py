@@ -116,11 +116,20 @@ def standing_verdicts(evidence: "Results") -> tuple["Check", ...]:
 
 
 def _checks(rules: "Iterable[Rule[Any]]", evidence: "Results") -> tuple["Check", ...]:
-    """Return the checks of rules, each with the basis of its limit."""
+    """Return the checks of rules, each with the basis of its limit; none passes if a clutch taken as stuck slips."""
     from torsion.rules.verdict_line import with_basis
 
+    slips = ""
+    if any(part.is_clutch for part in evidence.study.train.parts):
+        from torsion.rules.slipping_clutches import slipping, unjudged_if
+
+        slips = slipping(evidence)
     return tuple(
-        with_basis(check, rule.edition_of(check, evidence.study), rule.settings.verified)
+        with_basis(
+            unjudged_if(slips, check) if slips and rule.has_clutches_stuck else check,
+            rule.edition_of(check, evidence.study),
+            rule.settings.verified,
+        )
         for rule in rules
         for check in rule.check(evidence)
     )

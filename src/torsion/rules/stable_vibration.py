@@ -5,6 +5,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from torsion.analyses.damped_modes import damped
+from torsion.analyses.power_balance import power_balance
 from torsion.analyses.response.solver import ground_damping
 from torsion.analyses.steady import steady_if_known
 from torsion.errors import SolveError
@@ -14,6 +15,7 @@ from torsion.rules.verdict_line import Check, Rule, RuleSettings, Verdict
 
 WHOLE = "whole train"
 SPEEDS = 41  # over the operation, at which the eigenvalues are computed
+BESIDE = 1e-6  # relative: just below and above a row of a table
 ROUNDING = 1e-9  # of an eigenvalue: a smaller growth is none
 
 
@@ -27,12 +29,25 @@ class StableVibration(Rule[RuleSettings]):
         speeds = np.array([] if single is None else [single])
         if operated is not None:
             speeds = np.linspace(operated.first, operated.last, SPEEDS)
-        steady = steady_if_known(study, system, speeds) if speeds.size else None
+        even = speeds.size
+        if even and study.has_mean_torque:
+            # A slope of a table holds between two rows of it, and may do so between two of these speeds.
+            rows = np.unique(power_balance(study.train, study.operation).corners)
+            further = [
+                *(rows * (1.0 - BESIDE)),
+                *(rows * (1.0 + BESIDE)),
+                *(rows[1:] + rows[:-1]) / 2.0,
+            ]
+            inside = [speed for speed in further if speeds[0] <= speed <= speeds[-1]]
+            speeds = np.concatenate([speeds, inside, [] if single is None else [single]])
+        steady = steady_if_known(study, system, speeds) if even else None
         if steady is None:
             return
         damping = ground_damping(system, speeds, steady)
         if not np.any(damping < 0.0):
             return
+        is_judged = (damping < 0.0).any(axis=0) | (np.arange(len(speeds)) < even)
+        speeds, damping = speeds[is_judged], damping[:, is_judged]
 
         sources = ", ".join(
             system.stations[station].name

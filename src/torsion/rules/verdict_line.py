@@ -58,6 +58,7 @@ BASIS_WORDS: Mapping[Kind, str] = {
     "definition": "by definition",
 }
 TO_BE_VERIFIED: Standing = "to be verified"
+VERIFIED_CLAUSE = "verified clause"  # of what a run leaves out: a clause that no check has
 
 
 def verdict_of(kept: bool, standing: Standing) -> Verdict:
@@ -334,6 +335,7 @@ class Rule(Generic[Settings]):
     edition: str = ""  # of the text that its limits follow
     needs: tuple[str, ...] = ()  # analyses that it reads
     scope: float = 1.0  # speed ratio up to which it is to be judged
+    has_clutches_stuck = True  # what it reads takes clutches as stuck; a motion over time does not
 
     def __init__(self, settings: Settings, name: str = "") -> None:
         """Keep the settings, and the name in the file of a class that serves several rules."""

@@ -91,8 +91,9 @@ def requested_motion_faults(study: Study) -> list[Fault]:
     if study.setting(*path) is None:
         return faults
     if not study.has_joints:
-        hint = "leave it out; the damped modes show what damps"
-        faults.append(Fault(path, "the train has no joint, and without one nothing grows", hint))
+        message = "the train has no joint, and `stability` computes only growth by joints"
+        hint = "leave it out; what a falling law of load feeds is judged with the response"
+        faults.append(Fault(path, message, hint))
     if study.setting(*path, "speeds") is None and study.operation.speeds is None:
         faults.append(Fault(path, "stability needs speeds", SPEEDS))
 

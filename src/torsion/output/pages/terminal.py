@@ -37,6 +37,7 @@ HEADS = (  # of the box, in the summary
     "Barred ranges",
     "Restrictions",
     "Not computed",
+    "Not confirmed",
     "For information",
 )
 SHORTEST_NAME, LONGEST_VERDICT = 4, 12  # letters; the longest word of "! PASS with restrictions"

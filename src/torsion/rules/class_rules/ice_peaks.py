@@ -84,6 +84,7 @@ class IcePeaks(Rule[IceSettings]):
     edition = "Finnish-Swedish ice class rules 2017"
     settings_class = IceSettings
     needs = ("transient",)
+    has_clutches_stuck = False
 
     def faults(self, study: Study) -> Iterable[Fault]:
         """What the file lacks for this rule."""

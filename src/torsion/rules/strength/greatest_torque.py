@@ -25,6 +25,8 @@ WHOLE_LIFE = 1.0  # Miner's sum at which it is used up
 class GreatestTorque(Rule[RuleSettings]):
     """The rule on every motion over time that was computed; what has no rating is not judged."""
 
+    has_clutches_stuck = False
+
     def judge(self, evidence: Results) -> Iterable[Check]:
         """Of every coupling and gear with a `max_torque`, and of every part whose damage is counted.
 
@@ -47,14 +49,8 @@ class GreatestTorque(Rule[RuleSettings]):
                         yield check
 
 
-def _checks(
-    evidence: Results, motion: TransientMotion, number: int, part: Part, mark: str
-) -> Iterator[Check]:
-    """Checks of one motion and one part; mark: of the motion, where there are several."""
-    spans, is_sound = spans_of(evidence.system, number), motion.status == "ok"
-    note = "" if is_sound else f"{motion.status}; such a motion is never a pass"
-    if motion.switching is not None and motion.switching.scatter is not None and is_sound:
-        note = "the larger of two motions that impacts set apart, and their difference added"
+def conditions_of(evidence: Results, motion: TransientMotion) -> tuple[str, ...]:
+    """Return what keeps a verdict on a motion from a plain pass: torques that do not act, an early end; or empty words."""
     without = [words for words in motion.not_acting if words.endswith(LEFT_OUT)]
     left_out = f"does not act: {'; '.join(without)}" if without else ""
     # The largest torque of a step comes half a period of the lowest mode after it, a beat of several modes later; the
@@ -85,7 +81,18 @@ def _checks(
         if left < period:
             early = f"ends {max(left, 0.0):.3g} s after the last change of an event"
             early += f", within a period of mode 1 ({period:.3g} s)"
-    conditions = left_out, unreached, early
+    return left_out, unreached, early
+
+
+def _checks(
+    evidence: Results, motion: TransientMotion, number: int, part: Part, mark: str
+) -> Iterator[Check]:
+    """Checks of one motion and one part; mark: of the motion, where there are several."""
+    spans, is_sound = spans_of(evidence.system, number), motion.status == "ok"
+    note = "" if is_sound else f"{motion.status}; such a motion is never a pass"
+    if motion.switching is not None and motion.switching.scatter is not None and is_sound:
+        note = "the larger of two motions that impacts set apart, and their difference added"
+    conditions = conditions_of(evidence, motion)
 
     def judge(
         clause: str, what: str, values: FloatArray, limit: float, unit: str, standing: Standing

@@ -12,15 +12,23 @@ from torsion.fields import Quantity, given
 from torsion.findings import Results
 from torsion.model.shafts.shaft_details import Hub
 from torsion.primitives import Bar
-from torsion.rules import rule_over_speed
 from torsion.rules.demands import restricted, unjudged
-from torsion.rules.rule_over_speed import Clause, RuleOverSpeed
-from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, RuleSettings
+from torsion.rules.rule_over_speed import Clause, RuleOverSpeed, spans_of
+from torsion.rules.verdict_line import (
+    TO_BE_VERIFIED,
+    Check,
+    RuleSettings,
+    Standing,
+    verdict_of,
+)
 from torsion.study import Study
 from torsion.train import Train
 
 IN_FIT = "Maximum torque in the fit, {} end"
 UNLOADED = "no axial load, no start or shock in the fit"
+BEYOND_MOTIONS = (
+    "no axial load, no start or shock in the fit but the transient responses of the file"
+)
 USUAL_SAFETY = 2.0  # against slip, of shrunk couplings in class rules (from memory, to be verified)
 
 
@@ -50,10 +58,30 @@ class ShrinkFits(RuleOverSpeed[ShrinkFitSettings]):
 
     def judge(self, evidence: Results) -> Iterable[Check]:
         """Return the checks with what a pass stands on."""
-        return (
-            restricted(check, UNLOADED) if check.clause == "slip" else check
-            for check in super().judge(evidence)
-        )
+        transients = evidence.results.get("transient")
+        motions = () if transients is None else transients.each
+        condition = BEYOND_MOTIONS if motions else UNLOADED
+        for check in super().judge(evidence):
+            yield restricted(check, condition) if check.clause == "slip" else check
+
+        safety = self.settings.safety or USUAL_SAFETY
+        standing: Standing = TO_BE_VERIFIED if self.settings.safety is None else "setting"
+        for motion in motions:
+            from torsion.rules.strength.greatest_torque import conditions_of
+
+            conditions = BEYOND_MOTIONS, *conditions_of(evidence, motion)
+            mark = f", {motion.name}" if len(motions) > 1 else ""
+            for bar, hub, capacity in fits(evidence.study.train):
+                torque = float(motion.peak[spans_of(evidence.system, bar.part)].max())
+                verdict, words = verdict_of(torque <= capacity, standing), f"safety {safety:g}"
+                if verdict == "pass" and (motion.status != "ok" or torque > capacity / safety):
+                    verdict = "not judged"
+                    words = f"slip torque / torque {capacity / torque:.3g}, below the safety {safety:g} of steady operation"
+                    words = words if motion.status == "ok" else f"{motion.status}; never a pass"
+                what = f"Maximum torque over time in the fit, {hub.end} end"
+                about = self.name, f"slip over time{mark}", bar.name, what
+                check = Check(*about, torque, capacity, "N m", verdict, standing, note=words)
+                yield restricted(check, *conditions)
 
     def demanded_rows(self, study: Study) -> Iterable[Check]:
         """Yield a row for each shrunk hub without `pressure` or `friction`."""
@@ -69,7 +97,7 @@ class ShrinkFits(RuleOverSpeed[ShrinkFitSettings]):
         response, peak = evidence.need(Response), evidence.need(Synthesis).peak
         safety = self.settings.safety or USUAL_SAFETY
         for bar, hub, capacity in fits(evidence.study.train):
-            spans = rule_over_speed.spans_of(evidence.system, bar.part)
+            spans = spans_of(evidence.system, bar.part)
             torque, length = np.max(peak[:, spans], axis=1), 1e3 * hub.length
             reach = length * float(np.nan_to_num(torque, nan=np.inf).max()) / capacity
             yield self.compare(
