@@ -295,7 +295,7 @@ def _planned(study: Study) -> Planned:
     """Return what would be computed of one study."""
     ruled, system = needed(study), assembled(study)
     if highest := highest_excited(study, system, ruled):
-        system = assembled(study, highest)
+        system = assembled(study, highest, highest)
     from torsion.analyses.response.harmonic_components import lines
 
     components = lines(system)

@@ -16,6 +16,7 @@ from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.steady import Steady
 from torsion.analyses.undamped_modes import Modes
 from torsion.kernels.trees.tree_response import Status
+from torsion.rules.rule_over_speed import spans_of
 from torsion.rules.verdict_line import Checks
 
 SCENES = Path(__file__).parents[2] / "shafting_specs"
@@ -135,7 +136,7 @@ def ends(
     scene = torsion.parse(text)
     system = torsion.assemble(scene.train, model, frequency=frequency, **settings)
     found = torsion.response(scene, system, speeds=np.linspace(300.0, 1200.0, 7) * math.pi / 30.0)
-    kept = found.torque[found.requested]
+    kept, system = found.torque[found.requested], found.system
     assert np.all(found.status[found.requested] == Status.OK)
     stated = []
     for name in ("first", "second"):
@@ -368,3 +369,56 @@ def test_lumped_shafts_have_as_many_modes_as_are_asked(tmp_path):
         file.write_text(text + f"analyses: {{model: {model}, modes: {{count: 6}}}}\n")
         found[model] = torsion.run(torsion.read(str(file))).need(Modes).frequency
     np.testing.assert_allclose(found["lumped"], found["exact"], rtol=1e-3)
+
+
+@pytest.mark.parametrize("model", ["fem", "exact"])
+def test_no_torque_within_a_shaft_is_above_those_at_ends_of_pieces_by_more_than_promised(model):
+    """T = G I k (B cos kx - A sin kx) of a line between two inertias, its largest |T| over x at every speed."""
+    study = torsion.parse(f"""
+name: line
+operation: {{speeds: {{from: 20 rpm, to: 126 rpm}}}}
+materials: {{steel: {{density: 7850, shear_modulus: 79.3 GPa}}}}
+train:
+- motor: {{inertia: 140, ripple: [{{order: 12, torque: 5760}}]}}
+- shaft: {{name: line, length: 80 m, diameter: 300 mm, material: steel, loss_factor: 1 %}}
+- propeller: {{inertia: 1}}
+analyses: {{model: {model}, response: }}
+""")
+    findings = torsion.run(study)
+    response = findings["response"]
+    w = 2.0 * math.pi * response.frequency[:, 0]
+    modulus, x = 79.3e9 * (1.0 + 0.01j), np.linspace(0.0, 80.0, 2001)
+    k = w * np.sqrt(7850.0 / modulus)
+    stiff = modulus * math.pi * 0.3**4 / 32.0 * k
+    sine, cosine = np.sin(80.0 * k), np.cos(80.0 * k)
+    rows = [[w**2 * 140.0, stiff], [-stiff * sine - w**2 * cosine, stiff * cosine - w**2 * sine]]
+    force = np.tile([[-5760.0], [0.0]], (w.size, 1, 1))
+    a, b = np.moveaxis(np.linalg.solve(np.moveaxis(rows, 2, 0), force)[..., 0], 1, 0)[..., None]
+    waves = b * np.cos(np.outer(k, x)) - a * np.sin(np.outer(k, x))
+    largest = np.abs(stiff[:, None] * waves).max(axis=1)
+    shaft = spans_of(response.system, 1)
+    ratio = np.abs(response.torque[:, 0, shaft]).max(axis=1) / largest
+    assert 1.0 / math.cos(0.05 / 2.0) - 1.0 < 3.2e-4
+    assert np.all((ratio > math.cos(0.05 / 2.0)) & (ratio < 1.0 + 1e-5))
+    assert findings.system.segments == response.system.segments
+
+
+@pytest.mark.parametrize(("elements", "is_short"), [(80, True), (16, False)])
+def test_a_stress_at_the_ends_of_stated_elements_is_restricted_if_they_are_long(elements, is_short):
+    study = torsion.parse(f"""
+name: line
+operation: {{speeds: {{from: 20 rpm, to: 126 rpm}}, rated: {{speed: 120 rpm, power: 1000 kW}}}}
+materials: {{steel: {{density: 7850, shear_modulus: 79.3 GPa, tensile_strength: 600 MPa}}}}
+train:
+- motor: {{inertia: 140, ripple: [{{order: 12, torque: 500}}]}}
+- shaft: {{name: line, length: 80 m, diameter: 300 mm, material: steel, role: intermediate,
+    features: flange, loss_factor: 5 %}}
+- propeller: {{inertia: 1, blades: 4, pitch: fixed}}
+analyses: {{model: fem, fem: {{elements: {elements}}}, response: }}
+rules: [iacs-m68: {{drive: electric}}]
+""")
+    rows = {row.what: row.restrictions for row in torsion.run(study).checks}
+    (size,) = (rows.pop(what) for what in list(rows) if what == "Outer diameter")
+    assert (rows.keys(), size) == ({"Torsional stress amplitude, continuous operation"}, ())
+    for restrictions in rows.values():
+        assert any("% more between them" in words for words in restrictions) != is_short

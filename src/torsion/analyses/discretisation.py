@@ -75,14 +75,15 @@ def has_inertia(system: System) -> bool:
     return system.train.has_shafts or bool(is_heavy.any())
 
 
-def assembled(study: Study, frequency: float = 0.0) -> System:
-    """Return the system of a study in its model, for a highest frequency (Hz)."""
+def assembled(study: Study, frequency: float = 0.0, excited: float = 0.0) -> System:
+    """Return the system of a study in its model, for a highest frequency (Hz) and that of its response."""
     return assemble(
         study.train,
         study.model,
         frequency=frequency,
         degree=study.fem.degree,
         elements=study.fem.elements,
+        excited=excited,
     )
 
 
@@ -105,7 +106,7 @@ def run_assembly(work: Work) -> None:
         system = assembled(work.study)
         highest = highest_excited(work.study, system, work.ruled)
         if highest:
-            system = assembled(work.study, highest)
+            system = assembled(work.study, highest, highest)
         degree = 0 if system.bars is None else system.bars.degree
         step.method = {
             "lumped": "lumped, kept in factors",

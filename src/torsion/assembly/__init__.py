@@ -34,10 +34,12 @@ def assemble(
     frequency: float = 0.0,
     degree: int | None = None,
     elements: int | None = None,
+    excited: float = 0.0,
 ) -> System:
     """The system of a train; shafts are discretised finely enough for a highest frequency (Hz).
 
-    degree, elements: of every shaft, of the model `fem` alone; None: what the frequency needs. The system's
+    excited: highest frequency (Hz) of a response; 0 where none is computed. degree, elements: of every shaft, of the
+    model `fem` alone; None: what the frequency needs. The system's
     `resolved_to` is the frequency up to which it keeps the error of its model (lumped 1e-3, fem 1e-6); infinite in the
     exact model, and where nothing is left to choose: no shaft has inertia, or its segments or elements are stated.
     Raises InputError for an unknown model, SolveError where a model cannot take the train.
@@ -54,15 +56,20 @@ def assemble(
         from torsion.assembly.section.solved_sections import resolved
 
         train = resolved(train)
-    system: System = resolve_name(MODELS[model])(train, Discretisation(frequency, degree, elements))
+    system: System = resolve_name(MODELS[model])(
+        train, Discretisation(frequency, degree, elements, excited)
+    )
     return system
 
 
-def rediscretised(system: System, frequency: float) -> System:
-    """The same train in the same model, its shafts discretised for another highest frequency (Hz)."""
-    return assemble(
-        system.train, system.model, **{**vars(system.requested), "frequency": frequency}
-    )
+def rediscretised(system: System, frequency: float, excited: float = 0.0) -> System:
+    """The same train in the same model, its shafts discretised for another highest frequency (Hz).
+
+    excited: as of `assemble`, where it is higher than that of the system.
+    """
+    requested = system.requested
+    changed = replace(requested, frequency=frequency, excited=max(requested.excited, excited))
+    return assemble(system.train, system.model, **vars(changed))
 
 
 def of_train(system: System, train: Train) -> System:
@@ -88,17 +95,20 @@ def is_as_fine(system: System, reference: System) -> bool:
     )
 
 
-def resolving(system: System, frequency: float, *, refine: bool = True) -> System:
+def resolving(
+    system: System, frequency: float, *, excited: float = 0.0, refine: bool = True
+) -> System:
     """The system itself, or the same train discretised finely enough for a highest frequency (Hz).
 
-    Raises SolveError where it does not resolve that frequency and must not be refined.
+    excited: as of `assemble`. Raises SolveError where it does not resolve that frequency and must not be refined.
     """
     if not refine:
         demand_resolution(system, frequency)
         return system
-    if frequency <= system.requested.frequency * (1.0 + ROUNDING):
+    requested, more = system.requested, 1.0 + ROUNDING
+    if frequency <= requested.frequency * more and excited <= requested.excited * more:
         return system
-    finer = rediscretised(system, frequency)
+    finer = rediscretised(system, max(frequency, requested.frequency), excited)
     if is_as_fine(system, finer):
         return system
     demand_resolution(finer, frequency)
@@ -185,7 +195,7 @@ class Collected:
         if finest is None or finest.segments is not None:
             path = () if finest is None else (*self.train.parts[finest.part].path, "segments")
             raise InputError([Fault(path, message, "give fewer segments, or `model: exact`")])
-        raise SolveError(f"{message}; request fewer modes, a lower frequency, or `model: exact`")
+        raise SolveError(f"{message}; request fewer modes, a lower frequency, or another `model`")
 
     def system(
         self,

@@ -10,7 +10,7 @@ import numpy as np
 from torsion.assembly import MOST, Collected
 from torsion.assembly.distributed_spans import BarSpans
 from torsion.assembly.pieces import Piece
-from torsion.assembly.segments import bar_segments, is_uniform, phase
+from torsion.assembly.segments import LARGEST_PHASE_OF_TORQUES, bar_segments, is_uniform, phase
 from torsion.assembly.system import Discretisation, Row, Span, System
 from torsion.primitives import Bar, Station
 from torsion.train import Train
@@ -60,12 +60,17 @@ def collect(
     return collected, BarSpans(np.array(span), np.array(lumped), np.array(halves), made_of), numbers
 
 
-def pieces_for(bar: Bar, frequency: float) -> int:
-    """Pieces of a shaft for a highest frequency (Hz), none steeper than STEEPEST; at least its `segments`."""
+def pieces_for(bar: Bar, requested: Discretisation) -> int:
+    """Pieces of a shaft for the highest frequencies, none steeper than STEEPEST; at least its `segments`."""
     outer, bore = np.array(bar.outer), np.array(bar.bore)
     sizes = np.array([outer, outer - bore, outer + bore])
     steepness = float((sizes.max(axis=1) / sizes.min(axis=1)).max())
-    needed = (phase(bar, frequency) / LARGEST_PHASE, FEWEST, (steepness - 1.0) / (STEEPEST - 1.0))
+    needed = (
+        phase(bar, requested.frequency) / LARGEST_PHASE,
+        phase(bar, requested.excited) / LARGEST_PHASE_OF_TORQUES,
+        FEWEST,
+        (steepness - 1.0) / (STEEPEST - 1.0),
+    )
     return max(min(math.ceil(max(needed)), MOST), bar.segments or 1)
 
 
@@ -74,5 +79,5 @@ def assemble_exact(train: Train, requested: Discretisation) -> System:
 
     Raises SolveError for a train with closed loops.
     """
-    collected, bars, pieces = collect(train, lambda bar: pieces_for(bar, requested.frequency))
+    collected, bars, pieces = collect(train, lambda bar: pieces_for(bar, requested))
     return collected.system("exact", pieces, requested, math.inf, bars)

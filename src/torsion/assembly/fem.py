@@ -7,7 +7,14 @@ import numpy as np
 
 from torsion.assembly import MOST
 from torsion.assembly.distributed_shafts import collect
-from torsion.assembly.segments import GAUSS, area_along, bar_segments, is_uniform, phase
+from torsion.assembly.segments import (
+    GAUSS,
+    LARGEST_PHASE_OF_TORQUES,
+    area_along,
+    bar_segments,
+    is_uniform,
+    phase,
+)
 from torsion.assembly.system import Discretisation, System
 from torsion.primitives import Bar
 from torsion.sources import source
@@ -39,7 +46,8 @@ def assemble_fem(train: Train, requested: Discretisation) -> System:
         if elements is not None:
             return max(elements, bar.segments or 1)
         longest = min(accurate_phase(order), LARGEST_PHASE)
-        number = max(math.ceil(phase(bar, frequency) / longest), FEWEST)
+        needed = phase(bar, requested.excited) / LARGEST_PHASE_OF_TORQUES
+        number = math.ceil(max(phase(bar, frequency) / longest, needed, FEWEST))
         while number < MOST and (error := section_error(bar, number, order)) > SHARE_OF_ERROR:
             factor = min((error / SHARE_OF_ERROR) ** (0.5 / order), 4.0)
             number = max(number + 1, math.ceil(number * factor))

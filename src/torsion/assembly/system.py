@@ -30,11 +30,12 @@ NOTHING = 1e-10  # of the largest torque of the train: what cancels to less is 0
 
 @dataclass(frozen=True)
 class Discretisation:
-    """What was requested of the shafts: a highest frequency and, of the model `fem`, degree and number of elements."""
+    """What was requested of the shafts: highest frequencies and, of the model `fem`, degree and number of elements."""
 
     frequency: float = 0.0  # Hz
     degree: int | None = None  # None: what the frequency needs
     elements: int | None = None  # of every shaft; None: what the frequency needs
+    excited: float = 0.0  # Hz, of a response: the models `fem` and `exact` read its torques at the ends of pieces
 
 
 @dataclass(frozen=True, slots=True)

@@ -116,7 +116,11 @@ def standing_verdicts(evidence: "Results") -> tuple["Check", ...]:
 
 
 def _checks(rules: "Iterable[Rule[Any]]", evidence: "Results") -> tuple["Check", ...]:
-    """Return the checks of rules, each with the basis of its limit; none passes if a clutch taken as stuck slips."""
+    """Return the checks of rules, each with the basis of its limit.
+
+    None passes if a clutch taken as stuck slips, or plainly if torques between ends of long elements are not known.
+    """
+    from torsion.rules.demands import with_pieces
     from torsion.rules.verdict_line import with_basis
 
     slips = ""
@@ -124,9 +128,14 @@ def _checks(rules: "Iterable[Rule[Any]]", evidence: "Results") -> tuple["Check",
         from torsion.rules.slipping_clutches import slipping, unjudged_if
 
         slips = slipping(evidence)
+
+    def conditioned(rule: "Rule[Any]", check: "Check") -> "Check":
+        check = with_pieces(check, evidence.system) if "response" in rule.needs else check
+        return unjudged_if(slips, check) if slips and rule.has_clutches_stuck else check
+
     return tuple(
         with_basis(
-            unjudged_if(slips, check) if slips and rule.has_clutches_stuck else check,
+            conditioned(rule, check),
             rule.edition_of(check, evidence.study),
             rule.settings.verified,
         )

@@ -9,6 +9,9 @@ from typing import TYPE_CHECKING
 from torsion import fields
 from torsion.analyses.power_balance import SAME_SPEED
 from torsion.arrays import FloatArray
+from torsion.assembly import ROUNDING
+from torsion.assembly.segments import LARGEST_PHASE_OF_TORQUES, phase
+from torsion.assembly.system import System
 from torsion.fields import required
 from torsion.results import listed
 from torsion.rules import of_study
@@ -153,6 +156,24 @@ def restricted(check: Check, *words: str, reach: Reach | None = None) -> Check:
         restrictions=(*check.restrictions, *words),
         reach=reach or check.reach,
     )
+
+
+def with_pieces(check: Check, system: System) -> Check:
+    """Return a check of a response, restricted if the pieces of its shaft are longer than torques need."""
+    longest = max(
+        (
+            phase(bar, system.requested.excited) / system.segments[bar.name]
+            for bar in system.train.bars
+            if system.bars is not None and system.train.parts[bar.part].name == check.where
+        ),
+        default=0.0,
+    )
+    if check.unit == "mm" or longest <= LARGEST_PHASE_OF_TORQUES * (1.0 + ROUNDING):
+        return check
+    more = (
+        f"up to {100.0 / math.cos(longest / 2.0) - 100.0:.3g} % more" if longest < 3.0 else "more"
+    )
+    return restricted(check, f"at the ends of its elements; {more} between them")
 
 
 def distinct(checks: Iterable[Check]) -> tuple[Check, ...]:

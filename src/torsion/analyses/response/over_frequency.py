@@ -51,7 +51,8 @@ def frequency_response(
         requested = steps.values()
     else:
         requested = np.unique(np.asarray(frequencies, dtype=np.float64))
-    system = resolving(system, float(requested[-1]), refine=refine)
+    highest = float(requested[-1])
+    system = resolving(system, highest, excited=highest, refine=refine)
     excitation = sweeping(system)
     if not excitation.torques:
         hint = "give an excitation neither `order` nor `frequency`"

@@ -111,7 +111,8 @@ def response(
         default=0.0,
     )
     # Shafts resolve the fastest component at the last speed, and so all others.
-    system = resolving(system, highest / (2.0 * math.pi), refine=refine)
+    highest /= 2.0 * math.pi
+    system = resolving(system, highest, excited=highest, refine=refine)
     points = requested
     if also is not None:
         inside = also[(also > requested[0]) & (also < requested[-1])]
