@@ -88,7 +88,7 @@ def plain(value: Any) -> Any:
 
 
 @cache
-def field_names(kind: type) -> tuple[str, ...]:
+def field_names(kind: type[object]) -> tuple[str, ...]:
     """Return the fields of a dataclass or a declaration; none of anything else."""
     if is_dataclass(kind):
         return tuple(field.name for field in fields(kind))
@@ -121,7 +121,8 @@ def opened(value: Any) -> tuple[Items, Callable[[Items], Any]]:
     if isinstance(value, tuple):
         numbered, kind = dict(enumerate(value)), getattr(type(value), "_make", tuple)
         return numbered, lambda items: kind({**numbered, **items}.values())
-    fields_of = {name: getattr(value, name) for name in field_names(type(value))}
+    record_class: Any = type(value)
+    fields_of = {name: getattr(value, name) for name in field_names(record_class)}
     return fields_of, lambda items: copied(value, **items)
 
 

@@ -253,8 +253,8 @@ def planes(system: LateralSystem) -> Planes:
     none = np.zeros_like(turning)
     square = np.concatenate([y.square, z.square])
     both_ways = np.block([[none, turning], [turning.T, none]])
-    apart = (np.block([[in_y, none], [none.T, in_z]]) for in_y, in_z in (damping, lossy))
-    return Planes(system, y, z, square, both_ways, *apart, crossed)
+    damps, loses = (np.block([[in_y, none], [none.T, in_z]]) for in_y, in_z in (damping, lossy))
+    return Planes(system, y, z, square, both_ways, damps, loses, crossed)
 
 
 def _plane(system: LateralSystem, plane: int) -> Plane:

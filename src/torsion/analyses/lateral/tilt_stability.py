@@ -103,7 +103,7 @@ class Tilting:
 
 def _torque_of_joint(torque: Torques, ratio: float, number: int, speeds: FloatArray) -> FloatArray:
     """Return a joint's torque, N m, at speeds of its shaft, rad/s; results with it are copied to other processes."""
-    return torque(speeds / ratio)[number]
+    return np.asarray(torque(speeds / ratio)[number])
 
 
 def tilting(

@@ -276,8 +276,8 @@ def acting_torques(study: Study, settings: TransientSettings) -> ActingTorques:
         acting.append(f"{event.body.key}{amount} at {event.at} from {event.time:g} s")
         last = event.time + event.body.changes(Point(folder=FilePath(study.file).parent))[-1]
         if last > settings.duration * (1.0 + ROUNDING):
-            words = f"{event.body.key} at {event.at} from {settings.duration:g} to {last:g} s"
-            not_acting.append(f"{words} (after the end)")
+            span = f"from {settings.duration:g} to {last:g} s (after the end)"
+            not_acting.append(f"{event.body.key} at {event.at} {span}")
     return ActingTorques(tuple(acting), tuple(not_acting))
 
 
