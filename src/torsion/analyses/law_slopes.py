@@ -7,11 +7,22 @@ import numpy as np
 
 from torsion.analyses.power_balance import interpolated, power_balance, uncovered
 from torsion.analyses.steady import driven_by_law, rated_point, slopes_of_laws
+from torsion.arrays import FloatArray
 from torsion.errors import Fault, InputError
 from torsion.findings import Work
 from torsion.study import Study
 
 SAME_TORQUE = 0.01  # relative: what the table of a drive may miss of the balance at the rated speed
+
+
+def rows_of_tables(study: Study) -> FloatArray:
+    """Return (rows,) rad/s of the reference, ascending: where tables of loads and drives bend; empty without mean torque."""
+    if not study.has_mean_torque:
+        return np.empty(0)
+    rows = power_balance(study.train, study.operation).corners
+    for part, law in driven_by_law(study.train):
+        rows += [speed / abs(float(part.ratio)) for speed, _ in law.torque or ()]
+    return np.unique(rows)
 
 
 def mean_speed_slopes(study: Study) -> dict[str, str]:

@@ -5,7 +5,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from torsion.analyses.damped_modes import damped
-from torsion.analyses.power_balance import power_balance
+from torsion.analyses.law_slopes import rows_of_tables
 from torsion.analyses.response.solver import ground_damping
 from torsion.analyses.steady import steady_if_known
 from torsion.errors import SolveError
@@ -30,9 +30,9 @@ class StableVibration(Rule[RuleSettings]):
         if operated is not None:
             speeds = np.linspace(operated.first, operated.last, SPEEDS)
         even = speeds.size
-        if even and study.has_mean_torque:
+        if even:
             # A slope of a table holds between two rows of it, and may do so between two of these speeds.
-            rows = np.unique(power_balance(study.train, study.operation).corners)
+            rows = rows_of_tables(study)
             further = [
                 *(rows * (1.0 - BESIDE)),
                 *(rows * (1.0 + BESIDE)),

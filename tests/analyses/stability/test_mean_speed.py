@@ -623,3 +623,13 @@ def test_a_drift_ends_where_it_reaches_the_least_that_counts() -> None:
     assert drift_ends(drift, speeds, values) == pytest.approx((1.5, 3.5), rel=2e-6)
     values[[0, 3]] = np.nan
     assert drift_ends(drift, speeds, values) == (2.0, 3.0)
+
+
+def test_a_falling_piece_of_a_table_between_the_speeds_lets_the_speed_run_away():
+    """200 N m in 2 rpm at the motor are 955 N m s/rad, a droop of 4 % some 180 against it."""
+    table = "[[100 rpm, 1200], [1334 rpm, 1200], [1336 rpm, 1000], [1600 rpm, 1100]]"
+    scene = text(load=table, drive=", drive: {droop: 4 %}", first=1200, last=1500)
+    scene = scene.replace(", power: 200 kW", "")
+    check = verdict(torsion.run(torsion.parse(scene, "drum.yaml")), "mean speed")
+    assert check.verdict == "fail"
+    assert check.speed / RPM == pytest.approx(1335, abs=1.001)

@@ -2,10 +2,12 @@
 
 from contextlib import suppress
 from dataclasses import replace
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
 
+from torsion.analyses.law_slopes import rows_of_tables
 from torsion.analyses.stability.floquet_exponents import (
     Method,
     Search,
@@ -148,6 +150,12 @@ def stability(
     for k, speed in enumerate(requested.tolist()):
         progress("stability", 0.6 * k / len(requested))
         search(speed)
+    # A slope of a table holds between two rows of it, which may both lie between two of these speeds.
+    rows = rows_of_tables(study)
+    rows = rows[(rows >= requested[0]) & (rows <= requested[-1])]
+    for low, high in pairwise(rows.tolist()):
+        if not np.any((requested > low) & (requested < high)):
+            search((low + high) / 2.0)
     _look_between(search, requested, progress)
     ranges = unstable_ranges(search, progress)
     drifts = _find_drifts(search)
