@@ -228,10 +228,15 @@ class Case:
 
 @dataclass(frozen=True)
 class CaseStates:
-    """States that a judged case of a file has, of those that rules demand, and its rules where it names its own."""
+    """States that a judged case of a file has, of those that rules demand, each with its component, and its rules."""
 
-    states: frozenset[str]
-    rules: tuple[str, ...] | None = None
+    states: frozenset[tuple[str, str]]
+    rules: tuple[str, ...]
+
+
+MOST_AT_ZERO_PITCH = (
+    0.4  # of the normal load, at every speed: what a case at zero pitch absorbs (ours; about 0.2)
+)
 
 
 def case_folder(name: str) -> str:
@@ -290,7 +295,7 @@ class Study(Displayed):
     cases: "Mapping[str, Study]" = field(default_factory=dict)  # by name, what is solved beside it
     case_states: tuple[
         CaseStates, ...
-    ] = ()  # of every judged case of its file, which a case and a variant know too
+    ] = ()  # of the normal and every judged case of its file, which a case and a variant know too
 
     def __repr__(self) -> str:
         words, speeds = [f"{len(self.train.parts)} components"], self.operation.speeds
@@ -315,12 +320,21 @@ class Study(Displayed):
         """A shaft has a `support`: its bending is computed."""
         return any(self.train.shaft(bar).support for bar in self.train.bars)
 
-    def covers(self, state: str, rule: str) -> bool:
-        """Return whether a judged case of the file, under that rule, has a state that rules demand."""
-        return any(
-            state in case.states and (case.rules is None or rule in case.rules)
-            for case in self.case_states
-        )
+    def covers(self, state: str, rule: str, name: str = "") -> bool:
+        """Return whether a judged case of the file, under that rule, has a state (of a component) that rules demand."""
+        return any((state, name) in case.states and rule in case.rules for case in self.case_states)
+
+    def engines_with(self, *states: str) -> list[str]:
+        """Return the engines with a cylinder in a state; `misfire: worst` has each of its cylinders motored."""
+        return [
+            part.name
+            for part in self.train.parts
+            if (engine := part.engine) is not None
+            and (
+                (engine.tries_all and "motored" in states)
+                or any(cylinder.state in states for cylinder in engine.cylinders)
+            )
+        ]
 
     @property
     def varies_tolerances(self) -> bool:

@@ -27,8 +27,9 @@ def test_a_crank_span_is_judged_by_the_section_of_its_pin_where_that_is_weaker()
     found = findings((RULES, "rules: [engine-maker: {crank_stress: 40 MPa}]"))
     half, spans = found.need(Synthesis).half_range, [one.name for one in found.system.spans]
     modulus = math.pi * 0.250**3 / 16.0
-    checks = found.need(Checks).lines
+    *checks, firing = found.need(Checks).lines
     assert len(checks) == 7  # of eight cylinders
+    assert (firing.clause, firing.verdict) == ("normal firing", "not judged")
     for check in checks:
         largest = half[:, spans.index(check.where)].max()
         assert check.value == pytest.approx(largest / modulus * 1e-6, rel=1e-12)

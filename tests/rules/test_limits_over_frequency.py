@@ -152,8 +152,9 @@ def test_the_heat_in_misfire_has_the_limit_of_the_misfire_and_its_time() -> None
     fires, fails = (
         torsion.run(torsion.parse(ENGINE.replace("MISFIRE", text))) for text in ("", ", misfire: 3")
     )
-    (plain, unjudged), (misfire,) = (one.need(Checks).lines for one in (fires, fails))
+    (plain, unjudged), (misfire, firing) = (one.need(Checks).lines for one in (fires, fails))
     assert (plain.clause, plain.limit) == ("P_KW", 30.0)
+    assert (firing.clause, firing.verdict) == ("normal firing", "not judged")
     assert (unjudged.clause, unjudged.verdict) == ("P_KW misfire", "not judged")
     assert (misfire.clause, misfire.limit) == ("P_KW misfire", 120e3)
     assert misfire.what == "Heat in misfire"
@@ -164,7 +165,7 @@ def test_the_heat_in_misfire_has_the_limit_of_the_misfire_and_its_time() -> None
     text = ENGINE.replace("MISFIRE", ", misfire: 3").replace(
         ", heat_limit_misfire: {power: 120 kW, for: 30 min}", ""
     )
-    (line,) = torsion.run(torsion.parse(text)).need(Checks).lines
+    line, _ = torsion.run(torsion.parse(text)).need(Checks).lines
     assert (line.clause, line.verdict) == ("P_KW", "fail")
     assert "a cylinder does not fire: judged by the limit of continuous operation" in line.note
 

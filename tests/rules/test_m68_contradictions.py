@@ -6,7 +6,6 @@ import torsion
 from torsion.errors import InputError
 from torsion.rules.class_rules.m53 import M53Settings
 from torsion.rules.verdict_line import Checks
-from torsion.schema.variants.cases import states_of_cases
 
 TRAIN = """
 name: line
@@ -46,20 +45,6 @@ def test_the_least_factor_of_role_features_and_notches_counts(shaft: str, c_k: f
     assert limit(shaft) / limit("role: intermediate, features: flange") == pytest.approx(
         c_k, rel=0.03
     )
-
-
-@pytest.mark.parametrize("load", ["constant", "quadratic"])
-def test_a_law_of_load_in_a_word_is_no_zero_pitch(load: str) -> None:
-    (states,) = states_of_cases({"other": {"set": {"operation.load": load}}})
-    assert "zero pitch" not in states.states
-
-
-def test_a_table_of_load_is_zero_pitch_and_that_of_another_machine_is_not() -> None:
-    table = [["30 rpm", "1 N*m"], ["105 rpm", "9 N*m"]]
-    (states,) = states_of_cases({"zero pitch": {"set": {"operation.load": table}}})
-    assert "zero pitch" in states.states
-    (states,) = states_of_cases({"other": {"set": {"pto.load": table}}})
-    assert "zero pitch" not in states.states
 
 
 def test_a_factor_of_manufacture_that_the_text_does_not_have_is_refused() -> None:

@@ -21,6 +21,8 @@ INERTIAS = "d.inertia: {values: [1.4, 1.8, 2, 2.6]}"
 VARIANTS = "variants of the sweep not judged: write `results: [checks]` of the sweep"
 TOLERANCES = "tolerances of 'soft' not judged: write `cases: {from: tolerances}`"
 
+ENDS = "cases: {low: {scale: {soft.stiffness: 80 %}}, high: {scale: {soft.stiffness: 120 %}}}\n"
+
 
 def solved(rules="coupling-maker", tolerance="", more=""):
     text = TRAIN.replace("RULES", rules).replace("TOLERANCE", tolerance)
@@ -52,13 +54,49 @@ def test_a_sweep_of_a_file_without_rules_has_no_such_row() -> None:
     ("more", "words"),
     [
         ("", [TOLERANCES]),
-        ("cases: {soft: {scale: {soft.stiffness: 80 %}}}\n", []),
+        ("cases: {soft: {scale: {soft.stiffness: 80 %}}}\n", [TOLERANCES]),
+        (ENDS, []),
+        (ENDS.replace("120 %}", "120 %}, judged: false"), [TOLERANCES]),
+        (ENDS.replace("120 %", "119 %"), [TOLERANCES]),
         (SWEEP.replace("RESULTS", ""), []),
         (SWEEP.replace("RESULTS", "").replace(STIFFNESSES, INERTIAS), [TOLERANCES]),
     ],
 )
 def test_tolerances_without_a_case_or_a_sweep_at_their_ends_restrict_a_pass(more, words) -> None:
     assert restrictions(solved(tolerance=", tolerance: 20 %", more=more)) == words
+
+
+def test_the_stiffness_of_another_coupling_is_no_end_of_a_tolerance() -> None:
+    second = ", tolerance: 20 %}\n- disc: {inertia: 1}\n- coupling: {name: b, stiffness: 1e6"
+    found = solved(tolerance=second, more="cases: {x: {set: {b.stiffness: 1.01e6}}}\n")
+    assert restrictions(found) == [TOLERANCES]
+
+
+@pytest.mark.parametrize(
+    ("more", "is_open"),
+    [
+        ("", True),
+        ("analyses: {sweep: {samples: 128}}\n", False),
+        (SWEEP.replace("RESULTS", ""), True),
+        (SWEEP.replace("RESULTS", "").replace(STIFFNESSES, INERTIAS), False),
+        (ENDS.replace("soft.stiffness", "d.inertia"), True),
+        (
+            ENDS.replace("soft.stiffness", "d.inertia")
+            .replace("80 %", "70 %")
+            .replace("120", "130"),
+            False,
+        ),
+    ],
+)
+def test_a_tolerance_of_an_inertia_that_nothing_varies_restricts_a_pass(
+    more: str, is_open: bool
+) -> None:
+    text = TRAIN.replace("RULES", "coupling-maker").replace("TOLERANCE", "")
+    found = torsion.run(
+        torsion.parse(text.replace("inertia: 2", "inertia: 2, tolerance: 30 %") + more)
+    )
+    words = "tolerances of the inertia of 'd' not judged: a sweep, or cases at both ends"
+    assert (words in restrictions(found)) == is_open
 
 
 def test_corners_of_the_tolerances_as_cases_leave_no_such_row() -> None:

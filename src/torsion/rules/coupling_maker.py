@@ -14,7 +14,7 @@ from torsion.errors import Fault
 from torsion.fields import given
 from torsion.findings import Results
 from torsion.model.parts import CouplingRatings, Part
-from torsion.rules.demands import MISFIRE, engines_of, unjudged
+from torsion.rules.demands import engines_of, unfailing_engines, unjudged
 from torsion.rules.rule_over_speed import (
     MOSTLY,
     Clause,
@@ -88,11 +88,10 @@ class CouplingMaker(RuleOverSpeed[CouplingSettings]):
                 yield f"{self.name}: heat of {part.name} in misfire, cold and warm", words
 
     def demanded_rows(self, study: Study) -> Iterable[Check]:
-        """Yield limits of the heat in misfire where every cylinder of an engine fires."""
-        has_misfire = any(map(misfires, (study, *study.cases.values())))
-        if not engines_of(study) or has_misfire or study.covers(MISFIRE, self.name):
+        """Yield limits of the heat in misfire where every cylinder of an engine fires, in all cases."""
+        if not (names := unfailing_engines(self.name, study)):
             return
-        note = "every cylinder fires: compute a misfire, as a case"
+        note = f"every cylinder of {', '.join(names)} fires: compute a misfire, as a case"
         for _, part, ratings in _couplings(study):
             if ratings.heat_in_misfire is not None:
                 about = "P_KW misfire", part.name, "Heat in misfire", note

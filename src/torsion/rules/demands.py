@@ -20,13 +20,15 @@ from torsion.study import Range, SpeedRange, Study
 
 if TYPE_CHECKING:
     from torsion.model.engine.record import EngineRecord
+    from torsion.model.parts import Part
 
 BARRED_BELOW = 0.8  # speed ratio below which barred ranges lie: who begins there, or above, looked at none of them
 START = 0.2  # speed ratio: a judgement from there on has the start of the train (ours, the texts begin at 0): by the
 # propeller law excitations are 4 % of the rated ones there, and UR M68 permits twice the stress
 LAST_ORDER = {4: 12, 2: 15}  # of the crankshaft, up to which UR M53 has the synthesis; by strokes
 MOST_ORDERS = 6  # stated one by one
-MISFIRE, ZERO_PITCH, STIFFNESS = "misfire", "zero pitch", "other stiffness"
+FIRING, MISFIRE = "normal firing", "misfire"
+ZERO_PITCH, STIFFNESS = "zero pitch", "other stiffness"
 
 
 class SpeedsAbove(SpeedRange):
@@ -234,16 +236,32 @@ def engines_of(study: Study) -> "list[EngineRecord]":
 
 
 def misfire_row(rule: str, study: Study, source: str) -> Iterator[Check]:
-    """Yield the row about one cylinder that does not fire; nothing of a train without an engine."""
-    parts, engines = study.train.parts, engines_of(study)
-    for engine in engines:
-        if engine.tries_all or any(cylinder.state == "motored" for cylinder in engine.cylinders):
-            return
-    names = [part.name for part in parts if part.engine is not None]
-    names += (part.name for part in parts if part.shaft is not None and part.shaft.role == "crank")
-    if names and not study.covers(MISFIRE, rule):
+    """Yield a row for each engine that no case lets misfire, else for the first crankshaft; nothing of other trains."""
+    names = unfailing_engines(rule, study)
+    if not engines_of(study):
+        shafts = ((part.name, part.shaft) for part in study.train.parts)
+        names = [name for name, shaft in shafts if shaft is not None and shaft.role == "crank"][:1]
+    for name in names:
         note = f"{source} demands it: `misfire: worst` of the engine, or a case with a cylinder that does not fire"
-        yield unjudged(rule, MISFIRE, names[0], "Misfiring of one cylinder", note)
+        yield unjudged(rule, MISFIRE, name, "Misfiring of one cylinder", note)
+
+
+def unfailing_engines(rule: str, study: Study) -> list[str]:
+    """Return the engines of which neither the study nor a case that the rule judges has a misfire."""
+    names = (part.name for part in study.train.parts if part.engine is not None)
+    misfiring = study.engines_with("motored")
+    return [
+        name for name in names if name not in misfiring and not study.covers(MISFIRE, rule, name)
+    ]
+
+
+def is_varied(study: Study, rule: str, part: "Part", what: str, tolerance: float) -> bool:
+    """Return whether cases that the rule judges have a figure of a component at both ends of its tolerance.
+
+    Without a tolerance any other value counts.
+    """
+    ends = ("lower", "upper") if tolerance else ("other",)
+    return all(study.covers(f"{end} {what}", rule, part.name) for end in ends)
 
 
 def lacking_orders(strokes: int, excited: Container[Fraction], where: str = "") -> str:
@@ -273,9 +291,15 @@ def unknown_gears(rule: str, study: Study, standing: Standing) -> Iterator[Check
 
 
 def unjudged_variants(study: Study) -> Iterator[Check]:
-    """Yield a restriction if no rule of the file judges the variants of a sweep, or stiffnesses within tolerances."""
+    """Yield what no rule of the file judges: every cylinder firing, variants of a sweep, figures within tolerances."""
     if not study.rules:
         return
+    failing = study.engines_with("motored", "cut out")
+    for rule in of_study(study) if failing else ():
+        if "response" in rule.needs and not study.covers(FIRING, rule.name):
+            note = "only states in which a cylinder does not fire: state them as cases of the file that fires"
+            about = FIRING, failing[0], "All cylinders firing", note, "by definition"
+            yield unjudged(rule.name, *about)
     first, sweep, judged = study.rules[0][0], study.analyses.get("sweep"), None
     if sweep is not None:
         from torsion.what_if.sweep.sweep_settings import SweepSettings
@@ -285,18 +309,20 @@ def unjudged_variants(study: Study) -> Iterator[Check]:
             words = "variants of the sweep not judged: write `results: [checks]` of the sweep"
             about = first, "variants", "sweep", "Variants of the sweep"
             yield restriction(*about, words, "by definition")
-    has_corners = study.varies_tolerances or any(
-        STIFFNESS in case.states for case in study.case_states
-    )
-    names = [
-        part.name
-        for part in study.train.parts
-        if part.kind == "coupling"
-        and part.stiffness_tolerance
-        # A sweep that names no figures varies all within their tolerances.
-        and (judged is None or (judged.vary and f"{part.name}.stiffness" not in judged.vary))
-    ]
-    if names and study.has_tolerances and not has_corners:
-        words = f"tolerances of {', '.join(map(repr, names))} not judged: write `cases: {{from: tolerances}}`"
-        about = first, "tolerances", names[0], "Stiffness within the tolerances"
-        yield restriction(*about, words, "by definition")
+    for what, subject, hint in (
+        ("stiffness", "tolerances of", "write `cases: {from: tolerances}`"),
+        ("inertia", "tolerances of the inertia of", "a sweep, or cases at both ends"),
+    ):
+        names = list[str]()
+        for part in study.train.parts:
+            width = part.stiffness_tolerance if part.kind == "coupling" else 0.0
+            width = (part.inertia_tolerance or 0.0) if what == "inertia" else width
+            # A sweep that names no figures varies all within their tolerances.
+            is_swept = judged and (not judged.vary or f"{part.name}.{what}" in judged.vary)
+            in_cases = (is_varied(study, rule, part, what, width) for rule, _ in study.rules)
+            if width and not is_swept and not all(in_cases):
+                names.append(part.name)
+        if names:
+            words = f"{subject} {', '.join(map(repr, names))} not judged: {hint}"
+            about = first, "tolerances", names[0], f"{what.capitalize()} within the tolerances"
+            yield restriction(*about, words, "by definition")

@@ -6,6 +6,7 @@ The kind of every entry of a train is decided first; the entry is then read in t
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path as FilePath
 from typing import Any
 
@@ -31,7 +32,6 @@ from torsion.schema.fault_text import input_error
 from torsion.schema.study_faults import study_faults
 from torsion.schema.yaml_source import parse_source, read_source
 from torsion.study import (
-    CaseStates,
     FiniteElements,
     FrontMatter,
     ModalDamping,
@@ -107,8 +107,12 @@ def located(error: InputError, study: Study) -> InputError:
 
 def reread(study: Study) -> tuple[Source, Callable[[Source], Study]]:
     """The file of a study as it was read, of a case with its values, and what reads one with other values."""
-    case = None if study.case is None else study.case.source
-    return case or _with_tables(parse_source(study.text, study.file), dict(study.tables)), _study
+    case, read = None if study.case is None else study.case.source, _study
+    if study.case_states:
+        from torsion.schema.variants.cases import read_with_states
+
+        read = partial(read_with_states, _study, study.case_states)
+    return case or _with_tables(parse_source(study.text, study.file), dict(study.tables)), read
 
 
 def _with_tables(source: Source, tables: dict[str, str] | None = None) -> Source:
@@ -226,11 +230,6 @@ def _sections(source: Source, faults: list[Fault]) -> Study | None:
     faults += train_faults
     if train is None:
         return None
-    states: tuple[CaseStates, ...] = ()
-    if (cases := data.get("cases")) is not None:
-        from torsion.schema.variants.cases import states_of_cases
-
-        states = states_of_cases(cases)
     if damping is not None:
         train = replace(train, modal_damping=damping.modal)
     return Study(
@@ -246,7 +245,6 @@ def _sections(source: Source, faults: list[Fault]) -> Study | None:
         text=source.text,
         document=document,
         tables=tuple((name, table.text) for name, table in source.tables),
-        case_states=states,
     )
 
 

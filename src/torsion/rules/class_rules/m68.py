@@ -61,7 +61,7 @@ from torsion.rules.rule_over_speed import (
     spans_of,
 )
 from torsion.rules.verdict_line import TO_BE_VERIFIED, BarredRange, Check, Verdict, verdict_of
-from torsion.study import Study
+from torsion.study import MOST_AT_ZERO_PITCH, Study
 
 NOT_ROUND = (
     "its section is a mesh; limits, factors and minimum diameters of the rule hold for round shafts"
@@ -319,7 +319,10 @@ class M68(RuleOverSpeed[M68Settings]):
             pitch = "fixed" if part.propeller is None else part.propeller.pitch
             zero = ZERO_PITCH, part.name, "Zero pitch"
             if part.kind == "propeller" and pitch == "controllable":
-                note = f"{self.source} demands it: a case with another `operation.load`"
+                most = f"at most {100 * MOST_AT_ZERO_PITCH:g} % of the normal load at every speed"
+                note = (
+                    f"{self.source} demands it: a case whose table of `operation.load` has {most}"
+                )
                 yield unjudged(self.name, *zero, note)
             elif part.kind == "propeller" and pitch is None and "propeller" in roles:
                 words = f"fixed pitch of '{part.name}' assumed: the file does not state `pitch`"

@@ -51,6 +51,7 @@ from torsion.rules.demands import (
     STIFFNESS,
     coverage,
     engines_of,
+    is_varied,
     unjudged,
     unknown_gears,
 )
@@ -250,14 +251,30 @@ class SocietyRule(M68):
         if society.mesh is not None:
             yield from unknown_gears(self.name, study, TO_BE_VERIFIED)
         rated = [
-            part.name
+            (part, ratings)
             for part in study.train.parts
-            if part.kind == "coupling" and part.ratings is not None
+            if part.kind == "coupling" and (ratings := part.ratings) is not None
         ]
-        is_corner = study.case is not None and study.case.is_corner
-        if rated and not (is_corner or study.covers(STIFFNESS, self.name)):
-            note = "cold, warm, soft and stiff couplings: cases with another stiffness, or `cases: {from: tolerances}`"
-            about = STIFFNESS, rated[0], "Other stiffness of the couplings", note
+        varied = [
+            part.name
+            for part, _ in rated
+            if is_varied(study, self.name, part, "stiffness", part.stiffness_tolerance)
+        ]
+        # Couplings that can be cold, warm, soft or stiff as far as the file says so; else any of them.
+        soft = [
+            part.name
+            for part, ratings in rated
+            if ratings.limit_anything or ratings.tolerance or "psi" in (part.damping or ())
+        ]
+        unvaried = [name for name in soft if name not in varied]
+        if not soft and not varied:
+            unvaried = [part.name for part, _ in rated]
+        if unvaried:
+            note = (
+                f"cold, warm, soft and stiff couplings: cases with another stiffness of {listed(unvaried)}, "
+                "at both ends of a tolerance (`cases: {from: tolerances}`)"
+            )
+            about = STIFFNESS, unvaried[0], "Other stiffness of the couplings", note
             yield unjudged(self.name, *about, society.mark)
 
     def check(self, evidence: Results) -> tuple[Check, ...]:

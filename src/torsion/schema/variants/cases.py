@@ -3,11 +3,13 @@
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, fields, is_dataclass, replace
 from fractions import Fraction
+from functools import partial
 from typing import Annotated, Any
 
 import numpy as np
 from pydantic import BaseModel
 
+from torsion import units
 from torsion.errors import Fault, InputError, Path, Refusal, nearest
 from torsion.fields import Declared, OneOrMany, Quantity, given, shown
 from torsion.findings import NORMAL
@@ -15,7 +17,15 @@ from torsion.model.parts import CouplingRatings, GearRating, Part
 from torsion.schema.declaration_reader import declared, entries_of
 from torsion.schema.fault_text import input_error
 from torsion.schema.variants.overlay import Overlay, in_words, multiplied, remove_components
-from torsion.study import Case, CaseStates, Change, SpeedRange, Study, case_folder
+from torsion.study import (
+    MOST_AT_ZERO_PITCH,
+    Case,
+    CaseStates,
+    Change,
+    SpeedRange,
+    Study,
+    case_folder,
+)
 from torsion.user_files import Node, Source, printable
 
 FROM, TOLERANCES = "from", "tolerances"
@@ -33,6 +43,8 @@ LISTED = (  # lists of them, and where in an entry
     (("table", "stiffness"), ()),
     (("prony", "terms"), (0,)),
 )
+ROUNDING = 1e-9  # relative: ends of a tolerance that are written in digits
+POINTS = 65  # speeds at which loads are compared
 Read = Callable[[Source], Study]
 Factor = Annotated[float, Quantity("1", above=0, usual="factor of a case")]
 
@@ -96,7 +108,11 @@ def with_cases(source: Source, read: Read, name: str = "") -> Study:
     if kept:
         raise input_error(list(kept.values()), source)
     cases = {case.name: case_study for case in requested if (case_study := studies[case.name])}
-    return replace(study, cases=cases) if cases else study
+    if name or not cases:
+        return replace(study, cases=cases) if cases else study
+    states = states_of_cases(replace(study, cases=cases), source)
+    cases = {name: _with_states(case, states) for name, case in cases.items()}
+    return replace(_with_states(study, states), cases=cases)
 
 
 def in_case(name: str, faults: Iterable[Fault]) -> list[Fault]:
@@ -320,43 +336,100 @@ def _is_same(first: Any, second: Any) -> bool:
     return repr(first) == repr(second)
 
 
-SCALED = {"stiffness": "other stiffness", "flexibility": "other stiffness"}  # last word of a key
-STATES = {"misfire": "misfire", **SCALED}  # the same of a key that a case sets
-LOAD = "operation.load"  # as a table of its own it is what a propeller takes at zero pitch; a law in a word is not
+def _with_states(study: Study, states: tuple[CaseStates, ...]) -> Study:
+    """Return the study, and each variant of it, with the states of the file."""
+    variations = {
+        name: replace(
+            variation,
+            base=replace(variation.base, case_states=states),
+            read=partial(read_with_states, variation.read, states),
+        )
+        for name, variation in study.variations.items()
+    }
+    return replace(study, case_states=states, variations=variations)
 
 
-def states_of_cases(body: Any) -> tuple[CaseStates, ...]:
-    """Return the states of each case that counts for the verdict; body: `cases` as the file has it."""
-    cases = body if isinstance(body, dict) else {}
+def read_with_states(read: Read, states: tuple[CaseStates, ...], source: Source) -> Study:
+    """Return what is read, with the states of the file that it is a variant of."""
+    return replace(read(source), case_states=states)
+
+
+def states_of_cases(study: Study, source: Source) -> tuple[CaseStates, ...]:
+    """Return the states of the normal case and of each case that counts for the verdict."""
     return tuple(
-        _states_of(name, cases)
-        for name, case in cases.items()
-        if not isinstance(case, dict) or case.get("judged", True) is not False
+        CaseStates(
+            frozenset(_states_of(case, study, source)), tuple(name for name, _ in case.rules)
+        )
+        for case in (study, *study.cases.values())
+        if case.case is None or case.case.is_judged
     )
 
 
-def _states_of(name: str, cases: dict[str, Any]) -> CaseStates:
-    """Return the states of a case and of the case that it is based on, and the rules that it names in place of others."""
-    case = cases[name]
-    if not isinstance(case, dict):  # `from: tolerances`
-        return CaseStates(frozenset({"other stiffness"} if case == "tolerances" else ()))
-    states = set[str]()
-    for section, words in (("set", STATES), ("scale", SCALED)):
-        for key, value in entries_of(case.get(section)):
-            state = words.get(str(key).rpartition(".")[2])
-            if section == "set" and key == LOAD and isinstance(value, list):
-                state = "zero pitch"
-            if state is not None and value not in (None, []):
-                states.add(state)
-    stated, rules = case.get("rules"), None
-    if stated is not None:  # each with or without settings
-        named = stated if isinstance(stated, list) else [stated]
-        rules = tuple(
-            name for rule in named for name in (rule if isinstance(rule, dict) else [str(rule)])
+def _states_of(case: Study, study: Study, source: Source) -> Iterator[tuple[str, str]]:
+    """Yield each state of a case with its component: of engines, of the load, and of figures against the normal case."""
+    yield from (("misfire", name) for name in case.engines_with("motored"))
+    if not case.engines_with("motored", "cut out"):
+        yield "normal firing", ""
+    if case.case is None:
+        return
+    if _is_at_zero_pitch(case, study):
+        yield "zero pitch", ""
+    for number, part in enumerate(case.train.parts):
+        position = study.train.positions[part.name]
+        normal, figures = study.train.parts[position], list[tuple[str, float, list[float]]]()
+        if part.kind == "coupling":
+            ratios = _stiffness_ratios(part, case.case.source, normal, Overlay(source, study))
+            figures.append(("stiffness", normal.stiffness_tolerance, ratios))
+        if tolerance := normal.inertia_tolerance:
+            pairs = zip(
+                (lump.inertia for lump in case.train.inertias if lump.part == number),
+                (lump.inertia for lump in study.train.inertias if lump.part == position),
+                strict=False,
+            )
+            ratios = [after / before for after, before in pairs if before]
+            figures.append(("inertia", tolerance, ratios))
+        for what, tolerance, ratios in figures:
+            if any(abs(ratio - 1.0) > ROUNDING for ratio in ratios):
+                yield f"other {what}", part.name
+                if max(ratios) <= 1.0 - tolerance + ROUNDING:
+                    yield f"lower {what}", part.name
+                if min(ratios) >= 1.0 + tolerance - ROUNDING:
+                    yield f"upper {what}", part.name
+
+
+def _stiffness_ratios(part: Part, changed: Source, normal: Part, file: Overlay) -> list[float]:
+    """Return each stiffness of a coupling in a case / that of the file; empty where they are not written alike."""
+    ratios = []
+    for path in stiffness_paths(file, normal):
+        nodes = changed.at((*part.path, *path[len(normal.path) :])), file.source.at(path)
+        texts = [str(None if node is None else node.value) for node in nodes]
+        try:
+            (after, unit), (before, unit_before) = map(units.amount, texts)
+            if unit != unit_before:
+                after, before = (Fraction(units.to_si(text, "N*m/rad")) for text in texts)
+        except Refusal:
+            return []
+        if not (after and before):
+            return []
+        ratios.append(float(before / after if path[-1] == "flexibility" else after / before))
+    return ratios
+
+
+def _is_at_zero_pitch(case: Study, study: Study) -> bool:
+    """Return whether the case has a table of the load that is a small share of the normal load at each of their speeds."""
+    ranges, normal = [each.operation.speeds for each in (case, study)], study.operation.load
+    if not case.operation.load.table or case.operation.load == normal or None in ranges:
+        return False
+    from torsion.analyses.power_balance import power_balance
+
+    speeds = [speeds for speeds in ranges if speeds is not None]
+    first, last = max(speeds.first for speeds in speeds), min(speeds.last for speeds in speeds)
+    speed = np.linspace(first, last, POINTS)
+    try:
+        load, normal_load = (
+            sum(load.torque_at(speed) for load in power_balance(each.train, each.operation).loads)
+            for each in (case, study)
         )
-    base: Any = case.get("based_on")
-    base_case = None if base == name else cases.get(base)
-    if not isinstance(base_case, dict) or "based_on" in base_case:
-        return CaseStates(frozenset(states), rules)
-    before = _states_of(base, cases)
-    return CaseStates(before.states | states, before.rules if rules is None else rules)
+    except InputError:
+        return False
+    return first <= last and bool(np.all(np.abs(load) <= MOST_AT_ZERO_PITCH * normal_load))
