@@ -18,8 +18,8 @@ from torsion.kernels.motion.loaded_modes import LoadedModes, Start
 
 BLOCK = 20_000  # coordinates at a time
 
-RADIANS = 3.0  # of the fastest motion in a window
-GAUSS = 10  # nodes of a window: squares of its fastest motion turn by 6 rad in it, and err by 2e-15
+# rad of the fastest motion in a window, and its nodes: squares turn twice as far in it, and err by 3e-15
+GAUSS = {3.0: 10, 10.0: 20, 30.0: 36}
 COLUMNS = 40_000  # times at once
 CHECKED = 64  # windows of a linear train in which its balance is verified
 
@@ -106,13 +106,14 @@ class _Windows(NamedTuple):
     begin: FloatArray
     end: FloatArray
     step: IntArray
+    nodes: int  # of Gauss, in each
 
 
 def energy_balance(motion: EventDrivenMotion) -> EnergyBalance:
     """The energies, and how far their balance is from zero."""
     is_linear = not motion.train.elements
     windows = _windows(motion)
-    nodes, weights = np.polynomial.legendre.leggauss(GAUSS)
+    nodes, weights = np.polynomial.legendre.leggauss(windows.nodes)
     shares = np.concatenate([[0.0], (nodes + 1.0) / 2.0, [1.0]])
     # work, damped, heat of each element; energy of all, and of each element, at begin and end
     number, count = len(motion.train.elements), len(windows.begin)
@@ -152,21 +153,27 @@ def energy_balance(motion: EventDrivenMotion) -> EnergyBalance:
 
 
 def _windows(motion: EventDrivenMotion) -> _Windows:
-    """The whole motion in windows of RADIANS of its fastest motion; of a linear one CHECKED, each within one step."""
+    """The whole motion in windows, of a linear one CHECKED, each within one step; so long that nodes are fewest."""
     edges = np.append(motion.begin, motion.end)
     if not motion.train.elements:
         begin = np.linspace(0.0, motion.end, CHECKED, endpoint=False)
         fastest_of_all = max(regime.fastest for regime in motion.regimes)
         lasts = motion.end / max(CHECKED, 2.0 * fastest_of_all * motion.end)
         step = np.maximum(np.searchsorted(motion.begin, begin, side="right") - 1, 0)
-        return _Windows(begin, np.minimum(begin + lasts, edges[step + 1]), step)
+        return _Windows(
+            begin, np.minimum(begin + lasts, edges[step + 1]), step, min(GAUSS.values())
+        )
     fastest = np.array([motion.regimes[regime].fastest for regime, *_ in motion.steps])
     length = np.diff(edges)
-    number = np.maximum(np.ceil(length * fastest / RADIANS), 1.0).astype(int)
+    numbers = {
+        nodes: np.maximum(np.ceil(length * fastest / radians), 1.0).astype(int)
+        for radians, nodes in GAUSS.items()
+    }
+    nodes, number = min(numbers.items(), key=lambda pair: pair[0] * int(pair[1].sum()))
     step = np.repeat(np.arange(len(number)), number)
     within = np.arange(len(step)) - np.repeat(np.cumsum(number) - number, number)
     begin, part = edges[step], (length / number)[step]
-    return _Windows(begin + part * within, begin + part * (within + 1.0), step)
+    return _Windows(begin + part * within, begin + part * (within + 1.0), step, nodes)
 
 
 def _energy_of_impulses(motion: EventDrivenMotion, windows: _Windows) -> float:
