@@ -337,3 +337,12 @@ def test_the_plan_names_a_clutch_as_stuck(tmp_path: Path) -> None:
     file = tmp_path / "clutch.yaml"
     file.write_text(CLUTCH.replace("CAPACITY", "700 N*m"))
     assert any("clutch that is stuck" in why for _, why in commands.plan(file).left_out)
+
+
+def test_a_motion_that_ends_soon_after_a_clutch_ceases_to_slip_is_restricted() -> None:
+    """The safety clutch of the scene sticks at 1.219 s, and mode 1 has a period of 0.219 s."""
+    text = (Path(__file__).parents[2] / "shafting_specs/pto_clutch_in.yaml").read_text(
+        encoding="utf-8"
+    )
+    (row,) = rows(text.replace("duration: 1.5 s", "duration: 1.3 s"))
+    assert row.restrictions[0].startswith("ends 0.0808 s after the last change")
