@@ -298,8 +298,10 @@ def unjudged_variants(study: Study) -> Iterator[Check]:
     for rule in of_study(study) if failing else ():
         if "response" in rule.needs and not study.covers(FIRING, rule.name):
             note = "only states in which a cylinder does not fire: state them as cases of the file that fires"
-            about = FIRING, failing[0], "All cylinders firing", note, "by definition"
-            yield unjudged(rule.name, *about)
+            row = unjudged(
+                rule.name, FIRING, failing[0], "All cylinders firing", note, "by definition"
+            )
+            yield row
     first, sweep, judged = study.rules[0][0], study.analyses.get("sweep"), None
     if sweep is not None:
         from torsion.what_if.sweep.sweep_settings import SweepSettings

@@ -175,9 +175,9 @@ def stability(
     if modes is not None:
         # At the fastest growth and at both ends, with more modes.
         wide = growth_search(study, system, modes=min(MORE * modes, len(elastic)))
-        rows = np.flatnonzero(np.isfinite(growth))
-        rows = rows[[0, int(growth[rows].argmax()), -1]] if rows.size else rows
-        changes = [abs(wide.growth(float(speed[row])) - growth[row]) for row in np.unique(rows)]
+        known = np.flatnonzero(np.isfinite(growth))
+        known = known[[0, int(growth[known].argmax()), -1]] if known.size else known
+        changes = [abs(wide.growth(float(speed[row])) - growth[row]) for row in np.unique(known)]
         left_out = float(np.nanmax(changes)) if changes else np.nan
     return Stability(
         speed,

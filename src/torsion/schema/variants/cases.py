@@ -338,14 +338,11 @@ def _is_same(first: Any, second: Any) -> bool:
 
 def _with_states(study: Study, states: tuple[CaseStates, ...]) -> Study:
     """Return the study, and each variant of it, with the states of the file."""
-    variations = {
-        name: replace(
-            variation,
-            base=replace(variation.base, case_states=states),
-            read=partial(read_with_states, variation.read, states),
-        )
-        for name, variation in study.variations.items()
-    }
+    variations: dict[str, Any] = dict(study.variations)
+    for name, variation in variations.items():
+        base = replace(variation.base, case_states=states)
+        read = partial(read_with_states, variation.read, states)
+        variations[name] = replace(variation, base=base, read=read)
     return replace(study, case_states=states, variations=variations)
 
 
