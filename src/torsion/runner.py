@@ -124,7 +124,7 @@ def _select_worst(cases: Mapping[str, Findings]) -> Findings:
         )
         for name, check in lines.values()
     )
-    # A row that follows from the file alone, which all cases have, tells nothing of a cylinder.
+    # A row that follows from the file alone, which all cases have, says nothing about a cylinder.
     judged = [line for line in lines.values() if line[1].fails or not math.isnan(line[1].value)]
     worst = max(judged, key=lambda line: rank(line[1]))[0] if judged else next(iter(cases))
     findings = cases[worst]

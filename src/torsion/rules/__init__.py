@@ -120,14 +120,10 @@ def _checks(rules: "Iterable[Rule[Any]]", evidence: "Results") -> tuple["Check",
 
     None passes if a clutch taken as stuck slips, or plainly if torques between ends of long elements are not known.
     """
-    from torsion.rules.demands import with_pieces
+    from torsion.rules.model_conditions import slipping, unjudged_if, with_pieces
     from torsion.rules.verdict_line import with_basis
 
-    slips = ""
-    if any(part.is_clutch for part in evidence.study.train.parts):
-        from torsion.rules.slipping_clutches import slipping, unjudged_if
-
-        slips = slipping(evidence)
+    slips = slipping(evidence)
 
     def conditioned(rule: "Rule[Any]", check: "Check") -> "Check":
         check = with_pieces(check, evidence.system) if "response" in rule.needs else check

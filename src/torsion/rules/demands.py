@@ -9,13 +9,10 @@ from typing import TYPE_CHECKING
 from torsion import fields
 from torsion.analyses.power_balance import SAME_SPEED
 from torsion.arrays import FloatArray
-from torsion.assembly import ROUNDING
-from torsion.assembly.segments import LARGEST_PHASE_OF_TORQUES, phase
-from torsion.assembly.system import System
 from torsion.fields import required
 from torsion.results import listed
 from torsion.rules import of_study
-from torsion.rules.verdict_line import Check, Reach, Standing
+from torsion.rules.verdict_line import Check, Reach, Standing, restricted
 from torsion.study import Range, SpeedRange, Study
 
 if TYPE_CHECKING:
@@ -145,37 +142,6 @@ def demanded_study(study: Study) -> Study | None:
     operation = study.operation.model_copy(update={"speeds": above})
     rules = tuple((name, settings) for name, settings in study.rules if name in short)
     return replace(study, operation=operation, rules=rules, variations={}, cases={})
-
-
-def restricted(check: Check, *words: str, reach: Reach | None = None) -> Check:
-    """Return a check that is met as one that is met with restrictions, in words; another check as it is."""
-    words = tuple(filter(None, words))
-    if not words or check.verdict not in ("pass", "restricted"):
-        return check
-    return replace(
-        check,
-        verdict="restricted",
-        restrictions=(*check.restrictions, *words),
-        reach=reach or check.reach,
-    )
-
-
-def with_pieces(check: Check, system: System) -> Check:
-    """Return a check of a response, restricted if the pieces of its shaft are longer than torques need."""
-    longest = max(
-        (
-            phase(bar, system.requested.excited) / system.segments[bar.name]
-            for bar in system.train.bars
-            if system.bars is not None and system.train.parts[bar.part].name == check.where
-        ),
-        default=0.0,
-    )
-    if check.unit == "mm" or longest <= LARGEST_PHASE_OF_TORQUES * (1.0 + ROUNDING):
-        return check
-    more = (
-        f"up to {100.0 / math.cos(longest / 2.0) - 100.0:.3g} % more" if longest < 3.0 else "more"
-    )
-    return restricted(check, f"at the ends of its elements; {more} between them")
 
 
 def distinct(checks: Iterable[Check]) -> tuple[Check, ...]:

@@ -300,6 +300,19 @@ def worst_checks(
     return worst
 
 
+def restricted(check: Check, *words: str, reach: Reach | None = None) -> Check:
+    """Return a check that is met as one that is met with restrictions, in words; another check as it is."""
+    words = tuple(filter(None, words))
+    if not words or check.verdict not in ("pass", "restricted"):
+        return check
+    return replace(
+        check,
+        verdict="restricted",
+        restrictions=(*check.restrictions, *words),
+        reach=reach or check.reach,
+    )
+
+
 @reported
 class Checks:
     """The verdict table."""

@@ -39,11 +39,10 @@ from torsion.rules.demands import (
     engines_of,
     lacking_orders,
     misfire_row,
-    restricted,
     unjudged,
 )
 from torsion.rules.rule_over_speed import Clause, RuleOverSpeed, spans_of
-from torsion.rules.verdict_line import TO_BE_VERIFIED, Check
+from torsion.rules.verdict_line import TO_BE_VERIFIED, Check, restricted
 from torsion.study import Study
 
 LEAST_Q = 1.15

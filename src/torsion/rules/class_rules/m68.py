@@ -42,7 +42,6 @@ from torsion.rules.demands import (
     in_rpm,
     misfire_row,
     order_rows,
-    restricted,
     restriction,
     unjudged,
     with_reach,
@@ -60,7 +59,14 @@ from torsion.rules.rule_over_speed import (
     rated_speed,
     spans_of,
 )
-from torsion.rules.verdict_line import TO_BE_VERIFIED, BarredRange, Check, Verdict, verdict_of
+from torsion.rules.verdict_line import (
+    TO_BE_VERIFIED,
+    BarredRange,
+    Check,
+    Verdict,
+    restricted,
+    verdict_of,
+)
 from torsion.study import MOST_AT_ZERO_PITCH, Study
 
 NOT_ROUND = (

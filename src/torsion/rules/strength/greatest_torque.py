@@ -15,9 +15,8 @@ from torsion.analyses.undamped_modes import Modes, modes
 from torsion.arrays import FloatArray
 from torsion.findings import Results
 from torsion.model.parts import Part
-from torsion.rules.demands import restricted
 from torsion.rules.rule_over_speed import spans_of
-from torsion.rules.verdict_line import Check, Rule, RuleSettings, Standing, verdict_of
+from torsion.rules.verdict_line import Check, Rule, RuleSettings, Standing, restricted, verdict_of
 
 WHOLE_LIFE = 1.0  # Miner's sum at which it is used up
 

@@ -12,13 +12,14 @@ from torsion.fields import Quantity, given
 from torsion.findings import Results
 from torsion.model.shafts.shaft_details import Hub
 from torsion.primitives import Bar
-from torsion.rules.demands import restricted, unjudged
+from torsion.rules.demands import unjudged
 from torsion.rules.rule_over_speed import Clause, RuleOverSpeed, spans_of
 from torsion.rules.verdict_line import (
     TO_BE_VERIFIED,
     Check,
     RuleSettings,
     Standing,
+    restricted,
     verdict_of,
 )
 from torsion.study import Study

@@ -1,5 +1,6 @@
-"""No verdict passes on a train whose clutch slips: all but motion over time takes clutches as stuck."""
+"""What the model of a train keeps from passing: a clutch that slips and is taken as stuck, elements that are too long."""
 
+import math
 from collections.abc import Iterator
 from dataclasses import replace
 
@@ -7,8 +8,11 @@ import numpy as np
 
 from torsion.analyses.response.amplitudes import Response, Synthesis
 from torsion.analyses.steady import Steady
+from torsion.assembly import ROUNDING as OF_PHASE
+from torsion.assembly.segments import LARGEST_PHASE_OF_TORQUES, phase
+from torsion.assembly.system import System
 from torsion.findings import Results
-from torsion.rules.verdict_line import Check
+from torsion.rules.verdict_line import Check, restricted
 
 ROUNDING = 1e-9  # of a torque
 
@@ -48,3 +52,21 @@ def unjudged_if(slips: str, check: Check) -> Check:
     if not check.has_limit or check.verdict not in ("pass", "restricted"):
         return check
     return replace(check, verdict="not judged", restrictions=(slips, *check.restrictions))
+
+
+def with_pieces(check: Check, system: System) -> Check:
+    """Return a check of a response, restricted if the pieces of its shaft are longer than torques need."""
+    longest = max(
+        (
+            phase(bar, system.requested.excited) / system.segments[bar.name]
+            for bar in system.train.bars
+            if system.bars is not None and system.train.parts[bar.part].name == check.where
+        ),
+        default=0.0,
+    )
+    if check.unit == "mm" or longest <= LARGEST_PHASE_OF_TORQUES * (1.0 + OF_PHASE):
+        return check
+    more = (
+        f"up to {100.0 / math.cos(longest / 2.0) - 100.0:.3g} % more" if longest < 3.0 else "more"
+    )
+    return restricted(check, f"at the ends of its elements; {more} between them")
