@@ -49,7 +49,7 @@ print(len(entered))
 
 @pytest.mark.parametrize(
     ("scene", "most"),
-    [(COUPLING, 55), (JOINT, 68), (STEP, 58)],
+    [(COUPLING, 55), (JOINT, 68), (STEP, 56)],
     ids=["stiffness", "angle of a joint", "step of torque"],
 )
 def test_a_figure_enters_few_files(scene: str, most: int, tmp_path: Path) -> None:

@@ -120,21 +120,17 @@ def _checks(rules: "Iterable[Rule[Any]]", evidence: "Results") -> tuple["Check",
 
     None passes if a clutch taken as stuck slips, or plainly if torques between ends of long elements are not known.
     """
-    from torsion.rules.model_conditions import slipping, unjudged_if, with_pieces
     from torsion.rules.verdict_line import with_basis
 
-    slips = slipping(evidence)
+    checks: Iterable[tuple[Rule[Any], Check]] = (
+        (rule, check) for rule in rules for check in rule.check(evidence)
+    )
+    study = evidence.study
+    if study.model != "lumped" or any(part.is_clutch for part in study.train.parts):
+        from torsion.rules.model_conditions import conditioned
 
-    def conditioned(rule: "Rule[Any]", check: "Check") -> "Check":
-        check = with_pieces(check, evidence.system) if "response" in rule.needs else check
-        return unjudged_if(slips, check) if slips and rule.has_clutches_stuck else check
-
+        checks = conditioned(checks, evidence)
     return tuple(
-        with_basis(
-            conditioned(rule, check),
-            rule.edition_of(check, evidence.study),
-            rule.settings.verified,
-        )
-        for rule in rules
-        for check in rule.check(evidence)
+        with_basis(check, rule.edition_of(check, evidence.study), rule.settings.verified)
+        for rule, check in checks
     )

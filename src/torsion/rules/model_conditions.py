@@ -1,8 +1,9 @@
 """What the model of a train keeps from passing: a clutch that slips and is taken as stuck, elements that are too long."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from torsion.assembly import ROUNDING as OF_PHASE
 from torsion.assembly.segments import LARGEST_PHASE_OF_TORQUES, phase
 from torsion.assembly.system import System
 from torsion.findings import Results
-from torsion.rules.verdict_line import Check, restricted
+from torsion.rules.verdict_line import Check, Rule, restricted
 
 ROUNDING = 1e-9  # of a torque
 
@@ -47,11 +48,19 @@ def slipping(evidence: Results) -> str:
     return "; ".join(words())
 
 
-def unjudged_if(slips: str, check: Check) -> Check:
-    """Return a check that is met as not judged where clutches slip; another check as it is."""
-    if not check.has_limit or check.verdict not in ("pass", "restricted"):
-        return check
-    return replace(check, verdict="not judged", restrictions=(slips, *check.restrictions))
+def conditioned(
+    checks: Iterable[tuple[Rule[Any], Check]], evidence: Results
+) -> Iterator[tuple[Rule[Any], Check]]:
+    """Yield checks with their rules; none passes where clutches slip, nor plainly where elements are too long."""
+    slips = slipping(evidence)
+    for rule, check in checks:
+        if "response" in rule.needs:
+            check = with_pieces(check, evidence.system)  # noqa: PLW2901
+        is_met = check.has_limit and check.verdict in ("pass", "restricted")
+        if slips and rule.has_clutches_stuck and is_met:
+            words = (slips, *check.restrictions)
+            check = replace(check, verdict="not judged", restrictions=words)  # noqa: PLW2901
+        yield rule, check
 
 
 def with_pieces(check: Check, system: System) -> Check:
