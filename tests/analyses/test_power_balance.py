@@ -335,7 +335,7 @@ def test_the_full_torque_of_every_span_is_that_when_all_cylinders_fire() -> None
         at, row = names.index("PTO coupling"), MEAN["train_M"]["at_rpm"]["750"]
         assert full[at] == pytest.approx(row["pto_coupling"], rel=DIGITS)
         assert full[names.index("tail")] == pytest.approx(row["tail"], rel=DIGITS)
-        assert rated[at] == pytest.approx(7 / 8 * row["pto_coupling"], rel=DIGITS)
+        assert rated[at] == pytest.approx(row["pto_coupling"], rel=DIGITS)
 
 
 def test_the_mesh_of_a_shaft_generator_has_a_mean_torque_of_its_own() -> None:
