@@ -33,6 +33,7 @@ def pytest_collection_finish() -> None:
     """
     find(strategies.none(), lambda drawn: True)
     gc.freeze()
+    gc.set_threshold(50_000, 20, 20)  # most of what a test makes is in no cycle
     gc.enable()
 
 
