@@ -109,7 +109,7 @@ def reread(study: Study) -> tuple[Source, Callable[[Source], Study]]:
     """The file of a study as it was read, of a case with its values, and what reads one with other values."""
     case, read = None if study.case is None else study.case.source, _study
     if study.case_states:
-        from torsion.schema.variants.cases import read_with_states
+        from torsion.schema.variants.case_states import read_with_states
 
         read = partial(read_with_states, _study, study.case_states)
     return case or _with_tables(parse_source(study.text, study.file), dict(study.tables)), read

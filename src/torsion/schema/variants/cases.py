@@ -3,24 +3,27 @@
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, fields, is_dataclass, replace
 from fractions import Fraction
-from functools import partial
 from typing import Annotated, Any
 
 import numpy as np
 from pydantic import BaseModel
 
-from torsion import units
 from torsion.errors import Fault, InputError, Path, Refusal, nearest
 from torsion.fields import Declared, OneOrMany, Quantity, given, shown
 from torsion.findings import NORMAL
-from torsion.model.parts import CouplingRatings, GearRating, Part
-from torsion.schema.declaration_reader import declared, entries_of
+from torsion.model.parts import CouplingRatings, GearRating
+from torsion.schema.declaration_reader import declared
 from torsion.schema.fault_text import input_error
-from torsion.schema.variants.overlay import Overlay, in_words, multiplied, remove_components
+from torsion.schema.variants.case_states import states_of_cases, with_states
+from torsion.schema.variants.overlay import (
+    Overlay,
+    in_words,
+    multiplied,
+    remove_components,
+    stiffness_paths,
+)
 from torsion.study import (
-    MOST_AT_ZERO_PITCH,
     Case,
-    CaseStates,
     Change,
     SpeedRange,
     Study,
@@ -30,21 +33,6 @@ from torsion.user_files import Node, Source, printable
 
 FROM, TOLERANCES = "from", "tolerances"
 CORNERS = {"soft": -1, "stiff": 1}  # cases of the tolerances: all couplings together at one end
-STIFFNESSES = (  # of a coupling
-    ("stiffness",),
-    ("clearance", "stiffness"),
-    ("prony", "stiffness"),
-    ("fractional", "stiffness"),
-    ("fractional", "k1"),
-    ("flexibility",),
-)
-LISTED = (  # lists of them, and where in an entry
-    (("stages",), ("stiffness",)),
-    (("table", "stiffness"), ()),
-    (("prony", "terms"), (0,)),
-)
-ROUNDING = 1e-9  # relative: ends of a tolerance that are written in digits
-POINTS = 65  # speeds at which loads are compared
 Read = Callable[[Source], Study]
 Factor = Annotated[float, Quantity("1", above=0, usual="factor of a case")]
 
@@ -111,8 +99,8 @@ def with_cases(source: Source, read: Read, name: str = "") -> Study:
     if name or not cases:
         return replace(study, cases=cases) if cases else study
     states = states_of_cases(replace(study, cases=cases), source)
-    cases = {name: _with_states(case, states) for name, case in cases.items()}
-    return replace(_with_states(study, states), cases=cases)
+    cases = {name: with_states(case, states) for name, case in cases.items()}
+    return replace(with_states(study, states), cases=cases)
 
 
 def in_case(name: str, faults: Iterable[Fault]) -> list[Fault]:
@@ -286,18 +274,6 @@ def _tolerances(case: _Requested, overlay: Overlay) -> None:
                 overlay.put(path, Node(value, node.line, node.column))
 
 
-def stiffness_paths(overlay: Overlay, part: Part) -> Iterator[Path]:
-    """Yield where the file states the stiffnesses, or the flexibility, of a coupling."""
-    source = overlay.source
-    for keys in STIFFNESSES:
-        if source.at((*part.path, *keys)) is not None:
-            yield (*part.path, *keys)
-    for keys, entry_path in LISTED:
-        rows = source.at((*part.path, *keys))
-        for step, _ in entries_of(None if rows is None else rows.value):
-            yield (*part.path, *keys, step, *entry_path)
-
-
 def _effect(study: Study) -> Any:
     """Return everything of a study that a result can follow from: without names, notes and sources, and places of the file.
 
@@ -334,99 +310,3 @@ def _is_same(first: Any, second: Any) -> bool:
     if isinstance(first, tuple | list):
         return len(first) == len(second) and all(map(_is_same, first, second))
     return repr(first) == repr(second)
-
-
-def _with_states(study: Study, states: tuple[CaseStates, ...]) -> Study:
-    """Return the study, and each variant of it, with the states of the file."""
-    variations: dict[str, Any] = dict(study.variations)
-    for name, variation in variations.items():
-        base = replace(variation.base, case_states=states)
-        read = partial(read_with_states, variation.read, states)
-        variations[name] = replace(variation, base=base, read=read)
-    return replace(study, case_states=states, variations=variations)
-
-
-def read_with_states(read: Read, states: tuple[CaseStates, ...], source: Source) -> Study:
-    """Return what is read, with the states of the file that it is a variant of."""
-    return replace(read(source), case_states=states)
-
-
-def states_of_cases(study: Study, source: Source) -> tuple[CaseStates, ...]:
-    """Return the states of the normal case and of each case that counts for the verdict."""
-    return tuple(
-        CaseStates(
-            frozenset(_states_of(case, study, source)), tuple(name for name, _ in case.rules)
-        )
-        for case in (study, *study.cases.values())
-        if case.case is None or case.case.is_judged
-    )
-
-
-def _states_of(case: Study, study: Study, source: Source) -> Iterator[tuple[str, str]]:
-    """Yield each state of a case with its component: of engines, of the load, and of figures against the normal case."""
-    yield from (("misfire", name) for name in case.engines_with("motored"))
-    if not case.engines_with("motored", "cut out"):
-        yield "normal firing", ""
-    if case.case is None:
-        return
-    if _is_at_zero_pitch(case, study):
-        yield "zero pitch", ""
-    for number, part in enumerate(case.train.parts):
-        position = study.train.positions[part.name]
-        normal, figures = study.train.parts[position], list[tuple[str, float, list[float]]]()
-        if part.kind == "coupling":
-            ratios = _stiffness_ratios(part, case.case.source, normal, Overlay(source, study))
-            figures.append(("stiffness", normal.stiffness_tolerance, ratios))
-        if tolerance := normal.inertia_tolerance:
-            pairs = zip(
-                (lump.inertia for lump in case.train.inertias if lump.part == number),
-                (lump.inertia for lump in study.train.inertias if lump.part == position),
-                strict=False,
-            )
-            ratios = [after / before for after, before in pairs if before]
-            figures.append(("inertia", tolerance, ratios))
-        for what, tolerance, ratios in figures:
-            if any(abs(ratio - 1.0) > ROUNDING for ratio in ratios):
-                yield f"other {what}", part.name
-                if max(ratios) <= 1.0 - tolerance + ROUNDING:
-                    yield f"lower {what}", part.name
-                if min(ratios) >= 1.0 + tolerance - ROUNDING:
-                    yield f"upper {what}", part.name
-
-
-def _stiffness_ratios(part: Part, changed: Source, normal: Part, file: Overlay) -> list[float]:
-    """Return each stiffness of a coupling in a case / that of the file; empty where they are not written alike."""
-    ratios = []
-    for path in stiffness_paths(file, normal):
-        nodes = changed.at((*part.path, *path[len(normal.path) :])), file.source.at(path)
-        texts = [str(None if node is None else node.value) for node in nodes]
-        try:
-            (after, unit), (before, unit_before) = map(units.amount, texts)
-            if unit != unit_before:
-                after, before = (Fraction(units.to_si(text, "N*m/rad")) for text in texts)
-        except Refusal:
-            return []
-        if not (after and before):
-            return []
-        ratios.append(float(before / after if path[-1] == "flexibility" else after / before))
-    return ratios
-
-
-def _is_at_zero_pitch(case: Study, study: Study) -> bool:
-    """Return whether the case has a table of the load that is a small share of the normal load at each of their speeds."""
-    ranges, normal = [each.operation.speeds for each in (case, study)], study.operation.load
-    if not case.operation.load.table or case.operation.load == normal or None in ranges:
-        return False
-    from torsion.analyses.power_balance import power_balance
-
-    speeds = [speeds for speeds in ranges if speeds is not None]
-    first, last = max(speeds.first for speeds in speeds), min(speeds.last for speeds in speeds)
-    speed = np.linspace(first, last, POINTS)
-    try:
-        load, normal_load = (
-            sum(load.torque_at(speed) for load in power_balance(each.train, each.operation).loads)
-            for each in (case, study)
-        )
-    except InputError:
-        return False
-    return first <= last and bool(np.all(np.abs(load) <= MOST_AT_ZERO_PITCH * normal_load))

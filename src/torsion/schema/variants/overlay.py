@@ -11,6 +11,7 @@ from typing import Any
 from torsion import units
 from torsion.errors import Fault, Path, Refusal, nearest
 from torsion.fields import shown
+from torsion.model.parts import Part
 from torsion.schema.declaration_reader import KEYS_BY_ALIAS, SECTIONS_BY_ALIAS, entries_of
 from torsion.study import Change, Study
 from torsion.user_files import Node, Source, printable
@@ -37,6 +38,19 @@ STEP = re.compile(
 DIGITS = Context(prec=40)  # more than any figure has: what a factor multiplies stays exact
 MAIN = ("train",)  # path of the main train
 LONGEST = 60  # characters of a value in words
+STIFFNESSES = (  # of a coupling
+    ("stiffness",),
+    ("clearance", "stiffness"),
+    ("prony", "stiffness"),
+    ("fractional", "stiffness"),
+    ("fractional", "k1"),
+    ("flexibility",),
+)
+LISTED = (  # lists of them, and where in an entry
+    (("stages",), ("stiffness",)),
+    (("table", "stiffness"), ()),
+    (("prony", "terms"), (0,)),
+)
 
 
 @dataclass
@@ -337,3 +351,15 @@ def _remove_entries(overlay: Overlay, entries: list[Path], fault: Path) -> None:
     with_it = [f"{len(acting)} excitation{'s' * (len(acting) > 1)}"] if acting else []
     words = ", ".join([*gone, *with_it])
     overlay.changes.append(Change("components and what acts on them", words, "taken away"))
+
+
+def stiffness_paths(overlay: Overlay, part: Part) -> Iterator[Path]:
+    """Yield where the file states the stiffnesses, or the flexibility, of a coupling."""
+    source = overlay.source
+    for keys in STIFFNESSES:
+        if source.at((*part.path, *keys)) is not None:
+            yield (*part.path, *keys)
+    for keys, entry_path in LISTED:
+        rows = source.at((*part.path, *keys))
+        for step, _ in entries_of(None if rows is None else rows.value):
+            yield (*part.path, *keys, step, *entry_path)

@@ -12,8 +12,7 @@ from torsion.arrays import FloatArray
 from torsion.errors import Fault, Path, Refusal
 from torsion.model.parts import Part
 from torsion.schema.table_rows import CATALOGUE, LABEL, STATED, Reading, Rows
-from torsion.schema.variants.cases import stiffness_paths
-from torsion.schema.variants.overlay import Overlay, in_words, multiplied
+from torsion.schema.variants.overlay import Overlay, in_words, multiplied, stiffness_paths
 from torsion.study import Study
 from torsion.user_files import Node, Source
 from torsion.what_if.variants.laws import Choice, Law, factors
