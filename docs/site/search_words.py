@@ -15,6 +15,9 @@ def setup(app: Sphinx) -> dict[str, bool]:
 class English(SearchEnglish):
     """With a memory."""
 
-    def __init__(self, options: dict[str, str]) -> None:
-        super().__init__(options)
-        self.stem = cache(super().stem)  # type: ignore[method-assign]
+    def stem(self, word: str) -> str:
+        """Return the stem of a word."""
+        return STEM(word)
+
+
+STEM = cache(SearchEnglish({}).stem)
